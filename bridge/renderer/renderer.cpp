@@ -1,5 +1,6 @@
 #include "bridge/renderer/renderer.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <string>
 #include <utility>
@@ -100,7 +101,8 @@ Renderer::Renderer(std::unique_ptr<Backend> backend, rt::TracerConfig tracer_con
 
 // The backend holds what lives in OpenGL and uses the tracer.
 Renderer::~Renderer() {
-  helpers_.clear();
+  others_.clear();
+  drawn_.helpers.clear();
   sequence_.reset();
   backend_.reset();
 }
@@ -128,7 +130,7 @@ std::unique_ptr<Picture> Renderer::draw_next(const FramePlan& plan, const sidera
   backend_->resize(plan.width, plan.height);
   auto picture = std::make_unique<Picture>(plan.width, plan.height);
   prepare_rays(plan, camera, picture->stages);
-  PictureJob job{*backend_, *sequence_, tracer_.get(), snapshot_, plan, camera, options};
+  PictureJob job{*backend_, *sequence_, drawn_.tracer.get(), snapshot_, plan, camera, options};
   draw(job, *picture);
   backend_->require_no_errors();
   sequence_->keep(plan, {backend_->make_view(camera, glm::vec2(0)), snapshot_}, *picture);
@@ -163,20 +165,20 @@ std::vector<std::unique_ptr<Picture>> Renderer::render_many(sideray_scene* scene
 // and several at once would take much memory.
 bool Renderer::draws_beside(const FramePlan& plan, size_t pictures) const {
   constexpr uint64_t most_pixels = 512 * 512;
-  return plan.draws_by_rays() && !plan.reference && !snapshot_->shader.shade && tracer_->tracer.may_trace_beside() &&
-         pictures >= tracer_->tracer.threads() && uint64_t{plan.width} * plan.height <= most_pixels;
+  return plan.draws_by_rays() && !plan.reference && !snapshot_->shader.shade && drawn_.tracer->tracer.may_trace_beside() &&
+         pictures >= drawn_.tracer->tracer.threads() && uint64_t{plan.width} * plan.height <= most_pixels;
 }
 
 void Renderer::draw_beside(const FramePlan& plan, std::span<const sideray_camera> cameras, const RenderOptions& options,
                            std::span<std::unique_ptr<Picture>> pictures) {
-  const std::lock_guard turn(tracer_->turn);
-  while (helpers_.size() < tracer_->tracer.threads()) {
+  const std::lock_guard turn(drawn_.tracer->turn);
+  while (drawn_.helpers.size() < drawn_.tracer->tracer.threads()) {
     auto backend = std::make_unique<RayBackend>("");
     auto sequence = std::make_unique<Sequence>(*backend);
-    helpers_.push_back({std::move(backend), std::move(sequence), std::make_unique<sideray_tracer>(*tracer_)});
+    drawn_.helpers.push_back({std::move(backend), std::move(sequence), std::make_unique<sideray_tracer>(*drawn_.tracer)});
   }
-  tracer_->tracer.run(cameras.size(), [&](size_t i, uint32_t worker) {
-    Helper& h = helpers_[worker];
+  drawn_.tracer->tracer.run(cameras.size(), [&](size_t i, uint32_t worker) {
+    Helper& h = drawn_.helpers[worker];
     h.backend->set_scene(snapshot_);
     h.backend->set_tracer(h.tracer.get());
     h.backend->resize(plan.width, plan.height);
@@ -190,13 +192,8 @@ void Renderer::draw_beside(const FramePlan& plan, std::span<const sideray_camera
 void Renderer::set_scene(sideray_scene* scene) {
   auto snapshot = scene->scene.snapshot();
   if (!snapshot) fail(SIDERAY_INVALID_ARGUMENT, "scene: nothing is committed; call sideray_scene_commit first");
-  if (scene != scene_.get()) {
-    backend_->set_tracer(nullptr);
-    helpers_.clear();
-    tracer_.reset();
-    sideray_scene_retain(scene);
-    scene_.reset(scene);
-    sequence_->forget();
+  if (scene != drawn_.scene.get()) {
+    change_scene(scene);
   } else if (snapshot_ && show_the_same(*snapshot_, *snapshot)) {
     return;
   }
@@ -204,21 +201,43 @@ void Renderer::set_scene(sideray_scene* scene) {
   backend_->set_scene(snapshot_);
 }
 
+// Scenes that nobody else holds any longer go.
+void Renderer::change_scene(sideray_scene* scene) {
+  constexpr size_t most_others = 3;
+  backend_->set_tracer(nullptr);
+  sequence_->forget();
+  if (drawn_.scene) others_.push_back(std::move(drawn_));
+  std::erase_if(others_, [](const DrawnScene& other) {
+    const uint32_t own = other.tracer ? 2 + static_cast<uint32_t>(other.helpers.size()) : 1;
+    return other.scene->references <= own;
+  });
+  drawn_ = {};
+  const auto known = std::ranges::find_if(others_, [&](const DrawnScene& other) { return other.scene.get() == scene; });
+  if (known != others_.end()) {
+    drawn_ = std::move(*known);
+    others_.erase(known);
+  } else {
+    sideray_scene_retain(scene);
+    drawn_.scene.reset(scene);
+  }
+  if (others_.size() > most_others) others_.erase(others_.begin());
+}
+
 void Renderer::prepare_rays(const FramePlan& plan, const sideray_camera& camera, StageTimes& stages) {
   backend_->set_culled({});
   if (!plan.uses_rays() && !plan.reference && !plan.ground_truth) return;
   const Stopwatch watch;
-  const bool first = !tracer_;
-  if (first) tracer_.reset(new sideray_tracer(scene_.get(), tracer_config_));
-  if (plan.uses_rays()) backend_->set_tracer(tracer_.get());
-  const std::lock_guard lock(tracer_->turn);
+  const bool first = !drawn_.tracer;
+  if (first) drawn_.tracer.reset(new sideray_tracer(drawn_.scene.get(), tracer_config_));
+  if (plan.uses_rays()) backend_->set_tracer(drawn_.tracer.get());
+  const std::lock_guard lock(drawn_.tracer->turn);
   rt::FoliageOptions foliage = plan.foliage;
   foliage.eye = backend_->make_view(camera, glm::vec2(0)).eye;
   foliage.cull_angle_deg = cull_angle_deg(camera, foliage.cull_angle_deg);
-  tracer_->tracer.set_foliage(foliage);
-  tracer_->tracer.set_glass_shadows(plan.glass_shadows);
-  tracer_->use(snapshot_);
-  backend_->set_culled(tracer_->tracer.culled());
+  drawn_.tracer->tracer.set_foliage(foliage);
+  drawn_.tracer->tracer.set_glass_shadows(plan.glass_shadows);
+  drawn_.tracer->use(snapshot_);
+  backend_->set_culled(drawn_.tracer->tracer.culled());
   stages.set(first ? SIDERAY_STAGE_BUILD : SIDERAY_STAGE_UPDATE, watch.ms());
 }
 

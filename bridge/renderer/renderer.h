@@ -42,6 +42,7 @@ class Renderer {
   };
 
   void set_scene(sideray_scene* scene);
+  void change_scene(sideray_scene* scene);
   void prepare_rays(const FramePlan& plan, const sideray_camera& camera, StageTimes& stages);
   std::unique_ptr<Picture> draw_next(const FramePlan& plan, const sideray_camera& camera, const RenderOptions& options);
   bool draws_beside(const FramePlan& plan, size_t pictures) const;
@@ -57,10 +58,14 @@ class Renderer {
   std::unique_ptr<Backend> backend_;
   std::unique_ptr<Sequence> sequence_;
   rt::TracerConfig tracer_config_;
-  std::unique_ptr<sideray_scene, ReleaseScene> scene_;  // the last one that was drawn
-  std::shared_ptr<const model::Snapshot> snapshot_;
-  std::unique_ptr<sideray_tracer, ReleaseTracer> tracer_;  // the scene's, made when rays are first needed
-  std::vector<Helper> helpers_;                            // one a thread, made when pictures are first drawn beside each other
+  struct DrawnScene {
+    std::unique_ptr<sideray_scene, ReleaseScene> scene;
+    std::unique_ptr<sideray_tracer, ReleaseTracer> tracer;  // made when rays are first needed
+    std::vector<Helper> helpers;                            // one a thread, made when pictures are first drawn beside each other
+  };
+  DrawnScene drawn_;                // the last one that was drawn
+  std::vector<DrawnScene> others_;  // a few before it, the latest last: scenes that are drawn in turn are not built anew each time
+  std::shared_ptr<const model::Snapshot> snapshot_;  // of the last one
 };
 
 }  // namespace sideray::bridge

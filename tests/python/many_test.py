@@ -146,3 +146,28 @@ def test_thousands_do_not_grow():
             assert renderer.render_many(scene, [camera] * 10, (32, 24), objects=objects, poses=poses).rgb.any()
 
         assert growth(1000 if "SIDERAY_SLOW" in os.environ else 40, ten) < 8 << 20
+
+
+def test_scenes_in_turn_are_built_once():
+    scenes = [sideray.load("panes"), boxes()[0]]
+    with sideray.Renderer(gl="none") as renderer, sideray.Renderer(gl="none") as alone:
+        first = [renderer.render(scene, SIZE) for scene in scenes]
+        again = [renderer.render(scene, SIZE) for scene in scenes]
+        assert all(picture.times["build"][1] > 0 for picture in first)
+        assert not any(picture.times["build"][1] > 0 for picture in again)
+        for one, other, scene in zip(first, again, scenes):
+            same(one, other)
+            same(one, alone.render(scene, SIZE))
+
+
+def test_scenes_that_are_gone_are_forgotten():
+    from threads_test import growth
+
+    with sideray.Renderer(gl="none") as renderer:
+
+        def another():
+            scene = sideray.Scene(env=None)
+            scene.add_mesh(np.random.default_rng(1).random((30000, 3)))
+            assert renderer.render(scene, (32, 24)).depth.shape == (24, 32)
+
+        assert growth(60, another) < 8 << 20
