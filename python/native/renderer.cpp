@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "python/native/native.h"
+#include "python/native/structs.h"
 
 namespace sideray::python {
 namespace {
@@ -134,12 +135,17 @@ class RendererHandle {
   }
 
   // One picture from each camera. poses: (groups, instances, 12), in which instances are where the cameras of a group draw;
-  // group g has the cameras from ends[g - 1] to ends[g]. Without poses there is one group.
+  // group g has the cameras from ends[g - 1] to ends[g]. lights: of each group. Without poses and lights there is one group.
   std::vector<PictureHandle> render_many(SceneHandle& scene, const std::vector<py::dict>& views, const OptionsHandle& options,
                                          uint32_t aovs, float exposure, bool color, const Array<uint32_t>& instances,
-                                         const std::optional<Array<double>>& poses, const std::vector<size_t>& ends) {
+                                         const std::optional<Array<double>>& poses,
+                                         const std::optional<std::vector<std::vector<py::dict>>>& lights,
+                                         const std::vector<size_t>& ends) {
     std::vector<sideray_camera> cameras;
     for (const py::dict& view : views) cameras.push_back(camera_of(view));
+    std::vector<std::vector<sideray_light>> lit(ends.size());
+    for (size_t group = 0; lights && group < lit.size(); ++group)
+      for (const py::dict& fields : lights->at(group)) lit[group].push_back(light_of(fields));
     const py::ssize_t moved = instances.size();
     if (poses) require_shape(*poses, {static_cast<py::ssize_t>(ends.size()), moved, 12}, "poses");
     sideray_render_options drawn = options.options.render();
@@ -152,13 +158,17 @@ class RendererHandle {
       const std::scoped_lock lock(mutex_, scene.mutex);
       require_open();
       for (size_t group = 0, begin = 0; group < ends.size(); begin = ends[group++]) {
+        if (lights)
+          check([&](sideray_error* e) {
+            return sideray_scene_set_lights(scene.scene.get(), lit[group].data(), lit[group].size(), e);
+          });
         if (poses) {
           const double* placed = poses->data() + static_cast<py::ssize_t>(group) * moved * 12;
           check([&](sideray_error* e) {
             return sideray_scene_move_instances(scene.scene.get(), instances.data(), static_cast<size_t>(moved), placed, e);
           });
-          check([&](sideray_error* e) { return sideray_scene_commit(scene.scene.get(), e); });
         }
+        if (poses || lights) check([&](sideray_error* e) { return sideray_scene_commit(scene.scene.get(), e); });
         std::vector<sideray_picture*> made(ends[group] - begin);
         check([&](sideray_error* e) {
           return sideray_renderer_render_many(renderer_, scene.scene.get(), cameras.data() + begin, made.size(), &drawn,
@@ -267,7 +277,8 @@ void define_renderer(py::module_& module) {
       .def("render", &RendererHandle::render, py::arg("scene"), py::arg("camera"), py::arg("options"), py::arg("aovs"),
            py::arg("repeats"), py::arg("continues"), py::arg("exposure"), py::arg("color"))
       .def("render_many", &RendererHandle::render_many, py::arg("scene"), py::arg("cameras"), py::arg("options"),
-           py::arg("aovs"), py::arg("exposure"), py::arg("color"), py::arg("instances"), py::arg("poses"), py::arg("ends"))
+           py::arg("aovs"), py::arg("exposure"), py::arg("color"), py::arg("instances"), py::arg("poses"),
+           py::arg("lights"), py::arg("ends"))
       .def("device", &RendererHandle::device)
       .def("close", &RendererHandle::close);
 }

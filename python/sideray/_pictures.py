@@ -92,12 +92,18 @@ class Pictures(Sequence[Picture]):
         return result
 
 
-def groups_of(poses: Optional[np.ndarray], count: int) -> Tuple[Optional[np.ndarray], List[int]]:
-    """Cameras in a row that share a pose are drawn together: the poses of the groups, and the camera that each ends before."""
-    if poses is None:
-        return None, [count]
-    begins = [0] + [i for i in range(1, count) if not np.array_equal(poses[i], poses[i - 1])]
-    return np.ascontiguousarray(poses[begins]), [*begins[1:], count]
+def groups_of(poses: Optional[np.ndarray], lights: Optional[Sequence[Any]],
+              count: int) -> Tuple[Optional[np.ndarray], Optional[List[Any]], List[int]]:
+    """Cameras in a row that share a pose and lights are drawn together: poses and lights of the groups, and the camera that each
+    ends before."""
+    def differs(i: int) -> bool:
+        return ((poses is not None and not np.array_equal(poses[i], poses[i - 1])) or
+                (lights is not None and lights[i] != lights[i - 1]))
+
+    begins = [0] + [i for i in range(1, count) if differs(i)]
+    return (None if poses is None else np.ascontiguousarray(poses[begins]),
+            None if lights is None else [[{name: value for name, value in light.items() if name != "name"} for light in lights[i]]
+                                         for i in begins], [*begins[1:], count])
 
 
 def columns_of(poses: Any, cameras: int, objects: int) -> np.ndarray:

@@ -214,9 +214,10 @@ class Renderer:
         return Pictures(list(drawn), out) if out else drawn
 
     def _draw_many(self, scene: Scene, views: Sequence[Camera], size: Tuple[int, int], instances: np.ndarray,
-                   poses: Optional[np.ndarray], *, aov: Union[str, Iterable[str]] = (), color: bool = True, exposure: float = 0.0,
+                   poses: Optional[np.ndarray], lights: Optional[Sequence[Any]] = None, *, aov: Union[str, Iterable[str]] = (), color: bool = True, exposure: float = 0.0,
                    tonemap: str = "pbr-neutral", ray_traced: Optional[str] = None, **options: Any) -> Pictures:
-        """As render_many, of instances by their numbers, with poses as (cameras, instances, 12)."""
+        """As render_many, of instances by their numbers, with poses as (cameras, instances, 12). lights: of each camera, as
+        Scene.lights."""
         if not views:
             return Pictures([])
         width, height = size
@@ -224,9 +225,9 @@ class Renderer:
         scene._select(_text(_TABLE["ray-traced"], ray_traced) or chosen.get("ray-traced"), views[0], (width, height))
         scene._commit()
         bits = _native.aov_bits(",".join(_names(aov)), scene._scene, chosen)
-        groups, ends = groups_of(poses, len(views))
+        groups, lit, ends = groups_of(poses, lights, len(views))
         drawn = self._renderer.render_many(scene._scene, [view._fields() for view in views], chosen, bits, exposure, color, instances,
-                                           groups, ends)
+                                           groups, lit, ends)
         return Pictures([Picture(one, exposure=exposure, tonemap=tonemap, light_names=tuple(scene._light_names)) for one in drawn])
 
     def frames(self, scene: Scene, frames: Iterable[int], size: Sequence[int] = (1280, 720),

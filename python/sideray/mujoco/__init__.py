@@ -239,26 +239,30 @@ class Renderer:
             chosen.type = mujoco.mjtCamera.mjCAMERA_FIXED
         return chosen
 
-    def _cameras(self) -> List[Camera]:
-        """Of each state."""
+    def _cameras(self) -> Tuple[List[Camera], np.ndarray, np.ndarray]:
+        """Of each state; where they are and where they look as the scene has it, (states, 3) each."""
         size = (self._width, self._height)
-        cameras = [camera_of(self._scene, size)]
-        for state, chosen in zip(self._states[1:], self._update[0][1:]):
-            mujoco.mjv_updateCamera(self._model, state, chosen, self._scene)
+        cameras, eyes, forwards = [], [], []
+        for number, (state, chosen) in enumerate(zip(self._states, self._update[0])):
+            if number > 0:
+                mujoco.mjv_updateCamera(self._model, state, chosen, self._scene)
             cameras.append(camera_of(self._scene, size))
+            eyes.append(np.array(self._scene.camera[0].pos))
+            forwards.append(np.array(self._scene.camera[0].forward))
         if len(self._states) > 1:
             mujoco.mjv_updateCamera(self._model, self._states[0], self._update[0][0], self._scene)
-        return cameras
+        return cameras, np.array(eyes), np.array(forwards)
 
     def _render(self, mirror: Mirror, options: Mapping[str, Any]) -> Tuple[Pictures, List[Camera]]:
         """A picture of each state, and its camera. The mirror shows the first one."""
         assert self._renderer is not None
-        size, cameras = (self._width, self._height), self._cameras()
+        size, (cameras, eyes, forwards) = (self._width, self._height), self._cameras()
         if len(cameras) == 1:
             return Pictures([self._renderer.render(mirror.scene, size, cameras[0], **options)]), cameras
-        if mirror.moves_alone(self._scene, self._states, cameras):
-            names, poses = mirror.poses(self._states)
-            return self._renderer._draw_many(mirror.scene, cameras, size, names, poses, **options), cameras
+        lights = None if mirror.is_solid else mirror.lights(self._scene, self._states, forwards)
+        if mirror.moves_alone(self._states, eyes) and (mirror.is_solid or lights is not None):
+            names, poses = mirror.poses(self._states, eyes)
+            return self._renderer._draw_many(mirror.scene, cameras, size, names, poses, lights, **options), cameras
         pictures = [self._renderer.render(mirror.scene, size, cameras[0], **options)]
         for number in range(1, len(cameras)):
             self._show(number)

@@ -39,8 +39,9 @@ def _is_behind(geom: Any, source: Any) -> bool:
 def _places(states: Sequence[Any], what: int, numbers: Sequence[int]) -> Tuple[np.ndarray, np.ndarray]:
     """Where geoms or sites are in each state: positions (states, numbers, 3) and rotations (states, numbers, 3, 3)."""
     positions, turns = (("geom_xpos", "geom_xmat") if what == _PLACED[0] else ("site_xpos", "site_xmat"))
-    return (np.stack([getattr(state, positions)[numbers] for state in states]),
-            np.stack([getattr(state, turns)[numbers] for state in states]).reshape(len(states), len(numbers), 3, 3))
+    # Scenes of MuJoCo have them in single precision.
+    return (np.stack([getattr(state, positions)[numbers] for state in states]).astype(np.float32),
+            np.stack([getattr(state, turns)[numbers] for state in states]).astype(np.float32).reshape(len(states), -1, 3, 3))
 
 
 @dataclasses.dataclass
@@ -120,6 +121,9 @@ class Mirror:
         self._transforms = np.empty((0, 12))
         self._lights: List[Dict[str, Any]] = []
         self._wanted_before: Dict[Hashable, Any] = {}
+        # Of planes without an end: sides, repeats of the texture, rotation and position.
+        self._scales: Dict[Hashable, np.ndarray] = {}
+        self._endless: Dict[Hashable, Tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = {}
         #: Whether something that is drawn is not opaque.
         self.shows_through = False
         quality = model.vis.quality
@@ -150,19 +154,11 @@ class Mirror:
 
     # ---- other states of the same model ----
 
-    def moves_alone(self, source: Any, states: Sequence[Any], cameras: Sequence[Camera]) -> bool:
-        """Whether other states of the model differ from the one that is drawn in where geoms and sites are, and in nothing else."""
+    def moves_alone(self, states: Sequence[Any], eyes: np.ndarray) -> bool:
+        """Whether other states of the model differ from the one that is drawn in where geoms, sites and lights are, and in nothing
+        else."""
         if any(what not in _PLACED or index != 1 for (_, _, what, _), index in self._wanted_before):
             return False
-        forward = [camera.world_from_camera[:3, 2] for camera in cameras]
-        is_lit_by_camera = any(light.headlight for light in source.lights[:source.nlight])
-        if is_lit_by_camera and not all(np.array_equal(forward[0], other) for other in forward):
-            return False
-        first = states[0]
-        if not all(np.array_equal(s.light_xpos, first.light_xpos) and np.array_equal(s.light_xdir, first.light_xdir)
-                   for s in states):
-            return False
-        eyes = np.array([camera.world_from_camera[:3, 3] for camera in cameras])
         for (kind, _, what, number), _ in self._wanted_before:
             if kind == _G.mjGEOM_PLANE:
                 position, turn = _places(states, what, [number])
@@ -171,26 +167,46 @@ class Mirror:
                     return False
         return True
 
-    def poses(self, states: Sequence[Any]) -> Tuple[np.ndarray, np.ndarray]:
-        """The instances that move from state to state, and (states, instances, 12): where they are."""
+    def poses(self, states: Sequence[Any], eyes: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+        """The instances that move from state to state, and (states, instances, 12): where they are. eyes: of the cameras."""
         keys = list(self._wanted_before)
         placed = np.array([w[2] for w in self._wanted_before.values()]).reshape(-1, 4, 3)
-        scale = np.linalg.norm(placed[:, :3], axis=2)
+        scale = np.array([self._scales[key] for key in keys]).reshape(-1, 3)
         result = np.broadcast_to(placed, (len(states), *placed.shape)).copy()
         for what in _PLACED:
-            rows = [row for row, ((kind, _, other, number), _) in enumerate(keys)
-                    if other == what and not (kind == _G.mjGEOM_PLANE and self._is_infinite(number))]
+            rows = [row for row, ((_, _, other, _), _) in enumerate(keys)
+                    if other == what and keys[row] not in self._endless]
             if rows:
                 position, turn = _places(states, what, [keys[row][0][3] for row in rows])
                 result[:, rows, :3] = turn.swapaxes(2, 3) * scale[rows, :, None]
                 result[:, rows, 3] = position
+        for row, key in enumerate(keys):
+            if key in self._endless:
+                size, repeat, turn, position = self._endless[key]
+                for number, eye in enumerate(eyes):
+                    scale_here, result[number, row, 3] = self._plane(size, repeat, eye, turn, position)
+                    result[number, row, :3] = (turn * scale_here).T
         moving = np.nonzero((result != result[:1]).any((0, 2, 3)))[0]
         names = np.array([self._shown[keys[row]].instance for row in moving], np.uint32)
         self._transforms = np.empty((0, 12))  # the scene is left in the last state
         return names, np.ascontiguousarray(result[:, moving]).reshape(len(states), len(moving), 12)
 
-    def _is_infinite(self, number: int) -> bool:
-        return bool(np.any(self.model.geom_size[number, :2] <= 0))
+    def lights(self, source: Any, states: Sequence[Any], forwards: np.ndarray) -> Optional[List[List[Dict[str, Any]]]]:
+        """The lights of each state, whose camera looks along `forwards`; None where it is not known which they are."""
+        shown = source.lights[:source.nlight]
+        numbers = iter(np.nonzero(self.model.light_active)[0] if self.model.nlight else ())
+        of_model = [None if light.headlight else next(numbers, None) for light in shown]
+        first = states[0]
+        for light, number in zip(shown, of_model):
+            if light.headlight:
+                continue
+            if number is None or not (np.allclose(light.pos, first.light_xpos[number], atol=1e-4) and
+                                      np.allclose(light.dir, first.light_xdir[number], atol=1e-4)):
+                return None
+        self._lights = [{"of": "the last state"}]
+        return [[self._light(light, *((light.pos, light.dir) if number is None else
+                                      (np.float32(state.light_xpos[number]), np.float32(state.light_xdir[number]))), forward)
+                 for light, number in zip(shown, of_model) if np.any(light.dir)] for state, forward in zip(states, forwards)]
 
     # ---- geoms ----
 
@@ -198,6 +214,7 @@ class Mirror:
         """Of each geom that is seen: its mesh, its material, its transform, and what it is."""
         wanted: Dict[Hashable, Tuple[Hashable, Hashable, np.ndarray, Tuple[int, int]]] = {}
         counts: Dict[Hashable, int] = {}
+        self._endless, self._scales = {}, {}
         for geom in source.geoms[:source.ngeom]:
             if geom.rgba[3] == 0 or (self.is_solid and geom.segid < 0):
                 continue
@@ -210,32 +227,37 @@ class Mirror:
             counts[what] = counts.get(what, 0) + 1
             is_behind = _is_behind(geom, source)
             material = ("solid", is_behind) if self.is_solid else self._material_of(geom, is_behind)
-            wanted[(what, counts[what])] = mesh, material, self._placed(geom, source), (geom.objid, geom.objtype)
+            if geom.type == _G.mjGEOM_PLANE and np.any(np.asarray(geom.size)[:2] <= 0):
+                self._endless[(what, counts[what])] = (np.array(geom.size), np.array(geom.texrepeat),
+                                                       np.array(geom.mat, np.float64).reshape(3, 3), np.array(geom.pos, np.float64))
+            placed, self._scales[(what, counts[what])] = self._placed(geom, source)
+            wanted[(what, counts[what])] = mesh, material, placed, (geom.objid, geom.objtype)
         return wanted
 
-    def _placed(self, geom: Any, source: Any) -> np.ndarray:
-        """World from object as twelve numbers, column by column."""
+    def _placed(self, geom: Any, source: Any) -> Tuple[np.ndarray, np.ndarray]:
+        """World from object as twelve numbers, column by column; and the scale along the object's axes that is in it."""
         if geom.type in (_FLEX, _SKIN):  # their vertices are in the world already
-            return np.eye(4)[:3].T.ravel()
+            return np.eye(4)[:3].T.ravel(), np.ones(3)
         turn, position = np.asarray(geom.mat, np.float64).reshape(3, 3), np.array(geom.pos, np.float64)
         size = np.asarray(geom.size, np.float64)
         if geom.type not in _UNIT:
             scale = np.ones(3)
         elif geom.type == _G.mjGEOM_PLANE:
-            scale, position = self._plane(geom, source, turn, position)
+            scale, position = self._plane(geom.size, geom.texrepeat, source.camera[0].pos, turn, position)
         elif geom.type == _G.mjGEOM_LINE:
             scale = np.array([0.001, 0.001, 1.0]) * [self.model.stat.meansize, self.model.stat.meansize, size[2]]
         else:
             scale = size
         scale = np.where(np.abs(scale) < 1e-9, 1e-9, scale)
-        return np.concatenate([(turn * scale).T.ravel(), position])
+        return np.concatenate([(turn * scale).T.ravel(), position]), scale
 
-    def _plane(self, geom: Any, source: Any, turn: np.ndarray, position: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    def _plane(self, sides: Any, texrepeat: Any, eye: Any, turn: np.ndarray,
+               position: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
         """An infinite side reaches as far as is seen, around where the camera is, in whole repeats of its texture."""
-        size = np.asarray(geom.size, np.float64)
+        size = np.asarray(sides, np.float64)
         reach = self._reach()
-        repeat = np.where(np.asarray(geom.texrepeat) > 0, geom.texrepeat, 1.0)
-        scale, offset = np.ones(3), turn.T @ (np.asarray(source.camera[0].pos) - position)
+        repeat = np.where(np.asarray(texrepeat) > 0, texrepeat, 1.0)
+        scale, offset = np.ones(3), turn.T @ (np.asarray(eye) - position)
         for axis in range(2):
             if size[axis] > 0:
                 scale[axis], offset[axis] = size[axis], 0.0
@@ -560,7 +582,7 @@ class Mirror:
         for light in source.lights[:source.nlight]:
             ambient += self.look.color(light.ambient)
             if np.any(light.dir):  # it has none before mj_forward()
-                lights.append(self._light(light, source))
+                lights.append(self._light(light, light.pos, light.dir, source.camera[0].forward))
         if str(lights) != str(self._lights):
             self.scene.lights = lights
             self._lights = lights
@@ -577,13 +599,13 @@ class Mirror:
             self.scene.replace_texture(self._occlusion, self._occluded(), srgb=False)
         self._has_environment = True
 
-    def _light(self, light: Any, source: Any) -> Dict[str, Any]:
+    def _light(self, light: Any, pos: Any, dir: Any, forward: Any) -> Dict[str, Any]:
+        """forward: of the camera, which the headlight shines along."""
         diffuse = np.pi * self.look.color(light.diffuse)
-        eye = source.camera[0]
         if light.headlight:  # from where the camera is, whatever the scene says
-            return {"type": "directional", "name": "headlight", "direction": tuple(map(float, eye.forward)),
+            return {"type": "directional", "name": "headlight", "direction": tuple(map(float, forward)),
                     "intensity": tuple(diffuse)}
-        position, direction = np.asarray(light.pos, np.float64), np.asarray(light.dir, np.float64)
+        position, direction = np.asarray(pos, np.float64), np.asarray(dir, np.float64)
         kind = self._kind(light)
         if kind == "directional":
             return {"type": kind, "direction": tuple(direction), "intensity": tuple(diffuse)}
