@@ -1,6 +1,7 @@
 """Errors: sideray.Error and its subclasses, which are exceptions of Python's own too where one fits."""
 
 import re
+from typing import Optional
 
 
 class Error(Exception):
@@ -11,7 +12,7 @@ class Error(Exception):
 
     status: int = -7
 
-    def __init__(self, message: str = "", status: "int | None" = None) -> None:
+    def __init__(self, message: str = "", status: Optional[int] = None) -> None:
         super().__init__(message)
         if status is not None:
             self.status = status
