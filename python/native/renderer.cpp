@@ -193,6 +193,7 @@ class RendererHandle {
     result["gl"] = info->gl;
     result["renderer"] = info->renderer;
     result["version"] = info->version;
+    result["reason"] = info->reason;
     return result;
   }
 

@@ -154,7 +154,8 @@ class Picture:
 
     def _planes_of(self, name: str) -> List[np.ndarray]:
         """The channels that a name stands for, as they lie in memory."""
-        parts = {"rgb": ["R", "G", "B"], "rgba": ["R", "G", "B", "A"]}.get(name, [name] if name in self._planes else self._parts(name))
+        own = [name] if name in self._planes else self._parts(name)
+        parts = {"rgb": ["R", "G", "B"], "rgba": ["R", "G", "B", "A"]}.get(name, own)
         if not parts:
             self._made_group(name)  # says that there is none
         return [self._planes[part] for part in parts]

@@ -106,13 +106,13 @@ def groups_of(poses: Optional[np.ndarray], lights: Optional[Sequence[Any]],
                                          for i in begins], [*begins[1:], count])
 
 
-def columns_of(poses: Any, cameras: int, objects: int) -> np.ndarray:
+def columns_of(transforms: Any, cameras: int, objects: int) -> np.ndarray:
     """(cameras, objects, 12) as the C interface takes transforms, of (cameras, objects, 3 or 4, 4)."""
-    given = np.asarray(poses, np.float64)
+    given = np.asarray(transforms, np.float64)
     if given.ndim != 4 or given.shape[:2] != (cameras, objects) or given.shape[2:] not in ((3, 4), (4, 4)):
-        raise InvalidArgument(f"poses: the array has the shape {given.shape}; give ({cameras}, {objects}, 3, 4): of each camera "
-                              "the transforms of the objects")
+        raise InvalidArgument(f"transforms: the array has the shape {given.shape}; give ({cameras}, {objects}, 3, 4): of each camera "
+                              "those of the objects")
     if not np.isfinite(given).all():
-        raise InvalidArgument(f"poses: {int((~np.isfinite(given)).sum())} of {given.size} numbers are not finite; remove or repair "
+        raise InvalidArgument(f"transforms: {int((~np.isfinite(given)).sum())} of {given.size} numbers are not finite; remove or repair "
                               "them")
     return np.ascontiguousarray(given[:, :, :3].swapaxes(2, 3)).reshape(cameras, objects, 12)

@@ -134,8 +134,8 @@ def _refuse_fork() -> None:
 class Renderer:
     """Draws scenes into pictures, without a window, a display or a GPU.
 
-    gl: "auto" (EGL, then OSMesa), "egl" or "osmesa"; device: an id from sideray.devices(); threads: of the tracer, 0 =
-    all; isa: "sse4.2", "avx2" or "avx512" pins Embree's instruction set. It keeps its OpenGL context until close(), the
+    gl: "auto" (EGL, then OSMesa, then "none"), "egl", "osmesa" or "none", which draws with rays alone; device: an id from
+    sideray.devices(); threads: of the tracer, 0 = all; isa: "sse4.2", "avx2" or "avx512" pins Embree's instruction set. It keeps its OpenGL context until close(), the
     end of a `with` block, or the end of its life. Calls on one renderer from several threads follow each other; those of
     several renderers run at the same time.
     """
@@ -152,7 +152,8 @@ class Renderer:
     def render(self, scene: Scene, size: Sequence[int] = (1280, 720),
                camera: Union[Camera, str, int, ArrayLike, None] = None, *, eye: Optional[Vector] = None,
                target: Optional[Vector] = None, fov: float = 45.0, time: Optional[float] = None,
-               aov: Union[str, Iterable[str]] = (), color: bool = True, repeat: int = 0, continues: bool = False, exposure: float = 0.0,
+               aov: Union[str, Iterable[str]] = (), color: bool = True, repeat: int = 0, continues: bool = False,
+               exposure: float = 0.0,
                tonemap: str = "pbr-neutral", ray_traced: Optional[str] = None, env: Union[str, ArrayLike, None] = None,
                env_scale: float = 1.0, env_rotate: float = 0.0, **options: Unpack[RenderOptions]) -> Picture:
         """Draws the scene.
@@ -160,8 +161,8 @@ class Renderer:
         size: (width, height) in pixels. camera: a Camera, the name or number of one of the file's, a (4, 4) matrix world
         from camera, or None: Scene.camera, else the file's first, else one that frames the scene. eye, target, fov: a
         camera instead of it, as Camera.look_at. time: seconds, sets Scene.time. aov: additional outputs as on the command
-        line: "N,albedo", ["N", "albedo"] or "all"; Z and id are always there. color: False leaves colour out, and all that only colour needs: depth, ids and `aov` alone are sooner there.
-        repeat: how often the frame is timed, for
+        line: "N,albedo", ["N", "albedo"] or "all"; Z and id are always there. color: False leaves colour out, and all that only
+        colour needs: depth, ids and `aov` alone are sooner there. repeat: how often the frame is timed, for
         Picture.stats and times. continues: the picture follows the last one that this renderer drew, as the next of a
         sequence. exposure, tonemap: how the picture is going to be shown (Picture.display, Picture.save); radiance stays
         linear. ray_traced: which objects of a file have layers [as quality says]. env, env_scale, env_rotate: as
@@ -187,24 +188,25 @@ class Renderer:
         return Picture(drawn, exposure=exposure, tonemap=tonemap, light_names=tuple(scene._light_names))
 
     def render_many(self, scene: Scene, cameras: Sequence[Union[Camera, str, int, ArrayLike]],
-                    size: Sequence[int] = (1280, 720), *, objects: Sequence[Object] = (), poses: Optional[ArrayLike] = None,
+                    size: Sequence[int] = (1280, 720), *, objects: Sequence[Object] = (), transforms: Optional[ArrayLike] = None,
                     out: Optional[Mapping[str, np.ndarray]] = None, aov: Union[str, Iterable[str]] = (),
                     color: bool = True, exposure: float = 0.0, tonemap: str = "pbr-neutral", ray_traced: Optional[str] = None,
                     **options: Unpack[RenderOptions]) -> Pictures:
         """Draws the scene from many cameras at once: each picture has the bits that render() gives it alone.
 
-        cameras: each as in render. size, aov, color, exposure, tonemap, ray_traced, options: as in render, of all pictures; `ray_traced`
-        chooses as the first camera sees the scene. objects, poses: (cameras, objects, 3, 4) or (cameras, objects, 4, 4), world
-        from object of each of `objects` in each picture; the scene is left in the last pose. Cameras in a row with the same poses
-        are drawn with one update of the scene. out: arrays by the names of channels ("rgb", "Z", "id.surface", ...), which are
-        filled and are those of the Pictures returned: (cameras, height, width), with a last dimension for what has several parts.
+        cameras: each as in render. size, aov, color, exposure, tonemap, ray_traced, options: as in render, of all pictures;
+        `ray_traced` chooses as the first camera sees the scene. objects, transforms: (cameras, objects, 3, 4) or (cameras, objects, 4, 4), world
+        from object of each of `objects` in each picture; the scene is left as the last one shows it. Cameras in a row with the
+        same transforms are drawn with one update of the scene. out: arrays by the names of channels ("rgb", "Z", "id.surface",
+        ...), which are filled and are those of the Pictures returned: (cameras, height, width), with a last dimension for what has
+        several parts.
 
         Without OpenGL (gl="none") small pictures are drawn side by side, one a thread; it is the way to draw thousands of them.
         """
         self._check(scene)
         width, height = _sides(size)
         views = [_view(scene, camera, None, None, 45.0, width / height) for camera in cameras]
-        moved = None if poses is None else columns_of(poses, len(views), len(objects))
+        moved = None if transforms is None else columns_of(transforms, len(views), len(objects))
         names = np.array([shown.instance for shown in objects], np.uint32)
         drawn = self._draw_many(scene, views, (width, height), names, moved, aov=aov, color=color, exposure=exposure, tonemap=tonemap,
                                 ray_traced=ray_traced, **options)
@@ -214,10 +216,10 @@ class Renderer:
         return Pictures(list(drawn), out) if out else drawn
 
     def _draw_many(self, scene: Scene, views: Sequence[Camera], size: Tuple[int, int], instances: np.ndarray,
-                   poses: Optional[np.ndarray], lights: Optional[Sequence[Any]] = None, *, aov: Union[str, Iterable[str]] = (), color: bool = True, exposure: float = 0.0,
+                   moved: Optional[np.ndarray], lit: Optional[Sequence[Any]] = None, *, aov: Union[str, Iterable[str]] = (), color: bool = True, exposure: float = 0.0,
                    tonemap: str = "pbr-neutral", ray_traced: Optional[str] = None, **options: Any) -> Pictures:
-        """As render_many, of instances by their numbers, with poses as (cameras, instances, 12). lights: of each camera, as
-        Scene.lights."""
+        """As render_many, of instances by their numbers. moved: (cameras, instances, 12), their transforms. lit: the lights of each
+        camera, as Scene.lights."""
         if not views:
             return Pictures([])
         width, height = size
@@ -225,9 +227,9 @@ class Renderer:
         scene._select(_text(_TABLE["ray-traced"], ray_traced) or chosen.get("ray-traced"), views[0], (width, height))
         scene._commit()
         bits = _native.aov_bits(",".join(_names(aov)), scene._scene, chosen)
-        groups, lit, ends = groups_of(poses, lights, len(views))
+        placed, lights, ends = groups_of(moved, lit, len(views))
         drawn = self._renderer.render_many(scene._scene, [view._fields() for view in views], chosen, bits, exposure, color, instances,
-                                           groups, lit, ends)
+                                           placed, lights, ends)
         return Pictures([Picture(one, exposure=exposure, tonemap=tonemap, light_names=tuple(scene._light_names)) for one in drawn])
 
     def frames(self, scene: Scene, frames: Iterable[int], size: Sequence[int] = (1280, 720),
@@ -253,7 +255,7 @@ class Renderer:
 
     @property
     def device(self) -> Dict[str, str]:
-        """id, gl, renderer and version of what it draws with."""
+        """id, gl, renderer and version of what it draws with; and reason, where "auto" found no OpenGL: why."""
         return self._renderer.device()
 
     def close(self) -> None:

@@ -47,7 +47,7 @@ def test_what_each_view_hits_otherwise(scene):
     """Sprites face each camera, and plants are posed: pictures are drawn one after the other."""
     scene = sideray.load(scene)
     cameras = around(scene, 4)
-    options = {"ao": False, "shadows": "exact"}
+    options = {"ao": False, "shadows": "exact", "poses": "all"}
     with sideray.Renderer(gl="none", threads=2) as renderer, sideray.Renderer(gl="none") as alone:
         for picture, camera in zip(renderer.render_many(scene, cameras, SIZE, **options), cameras):
             same(picture, alone.render(scene, SIZE, camera, **options))
@@ -76,7 +76,7 @@ def test_poses():
     poses = poses_of(5)
     poses[3] = poses[2]
     with sideray.Renderer(gl="none") as renderer:
-        pictures = renderer.render_many(scene, [camera] * 5, SIZE, objects=objects, poses=poses)
+        pictures = renderer.render_many(scene, [camera] * 5, SIZE, objects=objects, transforms=poses)
         # A scene is built once, and moved once for each pose.
         assert [picture.times["build"][1] > 0 for picture in pictures] == [True] + 4 * [False]
         assert np.array_equal(objects[1].transform[:3], poses[4, 1])
@@ -85,10 +85,10 @@ def test_poses():
             same(picture, renderer.render(scene, SIZE, camera))
         assert not np.array_equal(pictures[0].ids, pictures[1].ids) and np.array_equal(pictures[2].ids, pictures[3].ids)
         full = np.concatenate([poses, np.broadcast_to([0, 0, 0, 1.0], (5, 3, 1, 4))], 2)
-        same(renderer.render_many(scene, [camera] * 5, SIZE, objects=objects, poses=full)[1], pictures[1])
+        same(renderer.render_many(scene, [camera] * 5, SIZE, objects=objects, transforms=full)[1], pictures[1])
     for wrong in (poses[:, :2], poses[0], np.full_like(poses, np.nan)):
-        with pytest.raises(sideray.InvalidArgument, match="poses"):
-            renderer.render_many(scene, [camera] * 5, SIZE, objects=objects, poses=wrong)
+        with pytest.raises(sideray.InvalidArgument, match="transforms"):
+            renderer.render_many(scene, [camera] * 5, SIZE, objects=objects, transforms=wrong)
 
 
 def test_arrays_of_all_pictures():
@@ -143,7 +143,7 @@ def test_thousands_do_not_grow():
     with sideray.Renderer(gl="none") as renderer:
 
         def ten():
-            assert renderer.render_many(scene, [camera] * 10, (32, 24), objects=objects, poses=poses).rgb.any()
+            assert renderer.render_many(scene, [camera] * 10, (32, 24), objects=objects, transforms=poses).rgb.any()
 
         assert growth(1000 if "SIDERAY_SLOW" in os.environ else 40, ten) < 8 << 20
 

@@ -247,6 +247,26 @@ def test_glass_bends_light_and_counts_as_an_object():
         assert shown.shape == (HEIGHT, WIDTH, 2)
 
 
+def test_thin_walls_keep_their_colour():
+    """A hollow ball of green glass whose walls are a sixtieth of it tints what is behind, as a solid one does."""
+    from sideray.mujoco import _shapes
+
+    points, triangles, _, _ = _shapes.sphere(48, 32)
+    solid = 0.3 * points, triangles
+    hollow = np.concatenate([0.3 * points, 0.29 * points]), np.concatenate([triangles, len(points) + triangles[:, ::-1]])
+    for (vertices, faces), reach in ((solid, 0.6), (hollow, 0.03)):
+        assert abs(_shapes.reach_inside(vertices[faces.ravel()]) - reach) < 0.02 * reach
+        model = mujoco.MjModel.from_xml_string(f"""<mujoco><visual><headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/></visual>
+          <asset><mesh name="ball" vertex="{' '.join(map(str, vertices.ravel()))}" face="{' '.join(map(str, faces.ravel()))}"/>
+            <material name="glass" rgba=".3 .9 .3 .4" specular="0"/></asset>
+          <worldbody><geom type="plane" size="5 5 .1" rgba=".8 .8 .8 1"/>
+            <geom type="mesh" mesh="ball" material="glass" pos="0 0 .5"/></worldbody></mujoco>""")
+        with sideray_mujoco.Renderer(model, 40, 40, shadows="off") as renderer:
+            renderer.update_scene(data_of(model), view(model, 90, -89.9, 3.0))
+            color = renderer.render()[18:22, 18:22].reshape(-1, 3).astype(float).mean(0)
+        assert color[0] < 0.7 * color[1] and color[1] > 100, (reach, color)
+
+
 def test_options_out_and_flags():
     model = model_of('<light pos="0 0 3" dir="0 0 -1"/><geom type="plane" size="2 2 .1"/>'
                      '<geom type="sphere" size=".3" pos="0 0 .8"/>')

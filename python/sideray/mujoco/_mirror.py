@@ -459,9 +459,16 @@ class Mirror:
     def _of_glass(self, geom: Any, color: np.ndarray) -> Dict[str, Any]:
         """A solid that light of its colour passes through, over a length of its own size."""
         length = float(geom.modelrbound) if geom.modelrbound > 0 else float(np.max(geom.size))
+        reach = 2.0 * length
+        if geom.type in _MESHES and geom.dataid >= 0:  # walls are thinner than what they enclose
+            reach = min(reach, _shapes.reach_inside(self._positions_of_mesh(geom)))
         return {"base_color": (1.0, 1.0, 1.0, 1.0), "alpha_mode": "opaque", "transmission": 1.0, "ior": 1.5,
                 "thickness": max(length, 1e-6), "roughness": 0.0, "metallic": 0.0, "specular": 1.0,
-                "attenuation_color": tuple(np.clip(color, 0.01, 1.0)), "attenuation_distance": max(2.0 * length, 1e-6)}
+                "attenuation_color": tuple(np.clip(color, 0.01, 1.0)), "attenuation_distance": max(reach, 1e-6)}
+
+    def _positions_of_mesh(self, geom: Any) -> np.ndarray:
+        shape = self._shape(geom)
+        return shape[0] if shape is not None and shape[1] is None else np.zeros((0, 3))
 
     def _texture(self, number: int) -> int:
         key = int(number), self.look.linear
