@@ -158,7 +158,7 @@ class Picture:
         parts = {"rgb": ["R", "G", "B"], "rgba": ["R", "G", "B", "A"]}.get(name, own)
         if not parts:
             self._made_group(name)  # says that there is none
-        return [self._planes[part] for part in parts]
+        return [self[part] for part in parts]
 
     def _stacked(self, name: str, parts: Tuple[str, ...]) -> np.ndarray:
         if name not in self._groups:

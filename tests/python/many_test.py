@@ -124,6 +124,8 @@ def test_without_colour(gl):
             assert np.array_equal(whole[name], bare[name], equal_nan=True), name
         with pytest.raises(sideray.UnknownChannel, match="without colours"):
             bare.rgb
+        with pytest.raises(sideray.UnknownChannel, match="without colours"):
+            renderer.render_many(scene, [None, None], SIZE, color=False).rgb
         with pytest.raises(sideray.Error, match="without_color"):
             renderer.render(scene, SIZE, reference=True, color=False)
         masks = renderer.render(scene, SIZE, aov="shadow", shadows="exact", color=False)
