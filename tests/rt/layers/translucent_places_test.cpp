@@ -1,0 +1,75 @@
+// Where rays look for translucent surfaces: at every pixel that shows one, and at few others.
+#include "rt/drawing/translucent_places.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "rt/drawing/opaque_pixels.h"
+#include "rt/tracer_scene.h"
+
+namespace sideray::rt::test {
+namespace {
+
+constexpr uint32_t width = 40, height = 30;
+
+class Random {
+ public:
+  float in(float low, float high) { return std::uniform_real_distribution<float>(low, high)(engine_); }
+  glm::vec3 vector(float size) { return {in(-size, size), in(-size, size), in(-size, size)}; }
+
+ private:
+  std::mt19937 engine_{3};
+};
+
+std::vector<uint8_t> counts_of(Tracer& tracer, const TraceView& view) {
+  const OpaqueRequest request{.view = view, .width = width, .height = height, .normals = false};
+  OpaquePixels pixels;
+  tracer.trace_opaque(request, pixels);
+  return tracer.count_translucent(request, pixels, false, 60);
+}
+
+TEST(TranslucentPlaces, HoldEveryPixelThatShowsOne) {
+  Random random;
+  size_t seen = 0, places_in_all = 0, pictures = 0;
+  for (int round = 0; round < 200; ++round) {
+    TestScene scene;
+    for (int i = 0; i < 6; ++i)
+      scene.quad(random.vector(2.0f), random.vector(0.4f), random.vector(0.4f), i % 2 == 0 ? glass() : plain_material());
+    const auto snapshot = scene.commit();
+    Tracer tracer({.threads = 2, .isa = ""});
+    tracer.set_scene(snapshot);
+    const glm::dvec3 eye = random.vector(4.0f), target = random.vector(1.0f);
+    const TraceView view = round % 3 == 0 ? orthographic(eye, target, 2.0, double{width} / height)
+                                          : perspective(eye, target, 0.9, double{width} / height);
+    const std::vector<uint8_t> places = translucent_places(*snapshot, view, width, height), counts = counts_of(tracer, view);
+    if (places.empty()) continue;  // something reaches behind the eye
+    ++pictures;
+    for (size_t i = 0; i < places.size(); ++i) {
+      seen += counts[i] > 0;
+      places_in_all += places[i] != 0;
+      ASSERT_TRUE(counts[i] == 0 || places[i] == 255) << "round " << round << ", pixel " << i % width << ' ' << i / width;
+    }
+  }
+  EXPECT_GT(pictures, 100u);
+  EXPECT_GT(seen, 2000u);
+  EXPECT_LT(places_in_all, pictures * width * height / 3);
+}
+
+TEST(TranslucentPlaces, AreAnywhereWhereBoundsReachBehindTheEye) {
+  TestScene scene;
+  scene.quad({0, -1, 0}, {50, 0, 0}, {0, 0, 50}, glass());
+  const auto snapshot = scene.commit();
+  EXPECT_TRUE(translucent_places(*snapshot, perspective({0, 0, 0}, {0, -0.2, -1}, 0.9, 1.0), width, height).empty());
+  EXPECT_FALSE(translucent_places(*snapshot, perspective({0, 90, 90}, {0, 0, 0}, 0.9, 1.0), width, height).empty());
+}
+
+TEST(TranslucentPlaces, AreNowhereWithoutGlass) {
+  TestScene scene;
+  scene.quad({0, 0, -3}, {1, 0, 0}, {0, 1, 0}, plain_material());
+  const auto places = translucent_places(*scene.commit(), perspective({0, 0, 0}, {0, 0, -1}, 0.9, 1.0), width, height);
+  EXPECT_EQ(places, std::vector<uint8_t>(size_t{width} * height, 0));
+}
+
+}  // namespace
+}  // namespace sideray::rt::test
