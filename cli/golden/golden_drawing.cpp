@@ -37,8 +37,12 @@ std::string driver_of(const sideray_device_info& device) {
 }
 
 std::string camera_digest(const sideray_camera& camera) {
-  return digest_of(fmt::format("{} {} {} {} {} {}", fmt::join(camera.world_from_camera, " "), camera.orthographic,
-                               camera.yfov, camera.half_height, camera.z_near, camera.z_far));
+  std::string text = fmt::format("{} {} {} {} {} {}", fmt::join(camera.world_from_camera, " "), camera.orthographic,
+                                 camera.yfov, camera.half_height, camera.z_near, camera.z_far);
+  // Not of square pixels around the middle, so that references keep the digest that they were recorded with.
+  if ((camera.fx_per_fy != 0.0f && camera.fx_per_fy != 1.0f) || camera.shift_x != 0.0f || camera.shift_y != 0.0f)
+    text += fmt::format(" {} {} {}", camera.fx_per_fy, camera.shift_x, camera.shift_y);
+  return digest_of(text);
 }
 
 // A node without a name is called by what it shows.

@@ -62,6 +62,8 @@ void add_views(std::vector<OwnOption>& list) {
   list.push_back(of_view(
       "size",
       under(title, number_row(text_row("fov", "DEG", "", "its vertical angle of view in degrees [45]"), 0.01, 179.0))));
+  list.push_back(of_view("size", under(title, rare(text_row("intrinsics", "FX,FY,CX,CY", "",
+                                                            "a calibrated camera's focal lengths and principal point")))));
 }
 
 void add_moments(std::vector<OwnOption>& list) {

@@ -61,6 +61,28 @@ std::array<double, 3> point(const char* name, const std::string& given) {
   return p;
 }
 
+// Of focal lengths and a principal point in pixels of the picture, from its top left corner.
+Projection projection_of(const std::string& given, double width, double height) {
+  const char* const name = "intrinsics";
+  const std::vector<std::string> parts = split(given, ',');
+  if (parts.size() != 4) wrong_usage("--{}: \"{}\"; write FX,FY,CX,CY in pixels", name, given);
+  const double fx = number(name, parts[0], 1e-6, 1e9), fy = number(name, parts[1], 1e-6, 1e9);
+  const double cx = number(name, parts[2], -1e9, 1e9), cy = number(name, parts[3], -1e9, 1e9);
+  const double yfov = 2.0 * std::atan(0.5 * height / fy), shift_x = cx / width - 0.5, shift_y = cy / height - 0.5;
+  if (yfov <= 1e-4 || yfov >= 3.13)
+    wrong_usage("--{}: FY {} is no lens of a picture {} pixels high; give it in pixels", name, parts[1], height);
+  if (fx < 1e-3 * fy || fx > 1e3 * fy) wrong_usage("--{}: FX {} and FY {} differ more than 1000 times", name, fx, fy);
+  if (std::abs(shift_x) > 100.0 || std::abs(shift_y) > 100.0)
+    wrong_usage("--{}: the principal point {},{} is more than 100 pictures away", name, cx, cy);
+  return {static_cast<float>(yfov), static_cast<float>(fx / fy), static_cast<float>(shift_x), static_cast<float>(shift_y)};
+}
+
+void set_projection(const Given& given, RenderOptions& result) {
+  if (!given.contains("intrinsics")) return;
+  if (given.contains("fov")) wrong_usage("--intrinsics: contradicts --fov; give one of them");
+  result.projection = projection_of(given.at("intrinsics"), result.width(), result.height());
+}
+
 void set_camera(const Given& given, RenderOptions& result) {
   result.camera = text(given, "camera");
   const bool eye = given.contains("eye"), target = given.contains("target");
@@ -213,6 +235,7 @@ RenderOptions resolve_render(const std::string& scene, const Given& given) {
   result.frames = frame_range(given);
   result.resume = given.contains("resume");
   set_camera(given, result);
+  set_projection(given, result);
   result.gl = chosen_gl(given);
   result.device = text(given, "device");
   result.isa = pinned_isa();

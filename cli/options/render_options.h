@@ -23,6 +23,13 @@ struct FreeCamera {
   float fov_deg = 45;
 };
 
+// How a pinhole projects, whatever the number of pixels that it is drawn with: the fields of sideray_camera.
+struct Projection {
+  float yfov;
+  float fx_per_fy;
+  float shift_x, shift_y;
+};
+
 // How options were chosen by --max-ms and --max-error.
 struct ChoiceSummary {
   std::optional<double> predicted_ms;  // of the whole frame, with what was learned from frames that missed the bound
@@ -43,6 +50,7 @@ struct RenderOptions {
   bool exr = false;
   std::string camera;  // name or index; "" = first, else framed
   std::optional<FreeCamera> free_camera;
+  std::optional<Projection> projection;  // of --intrinsics, in place of the camera's own
   std::string gl, device, isa;  // device, isa: "" = choose
   uint32_t threads = 0;         // 0 = all
   Options named = Options::create().value();  // what the library's table has

@@ -133,7 +133,7 @@ json Calibration::key(const char* what, const RenderOptions& options) const {
           {"machine", machine_},
           {"isa", options.isa},
           {"scene", scene_},
-          {"camera", {c.world_from_camera, c.orthographic, c.yfov, c.half_height, c.z_near, c.z_far}},
+          {"camera", {c.world_from_camera, c.orthographic, c.yfov, c.half_height, c.z_near, c.z_far, c.fx_per_fy, c.shift_x, c.shift_y}},
           {"size", {options.width(), options.height()}},
           {"options", options_stamp(options)}};
 }

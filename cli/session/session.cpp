@@ -19,11 +19,24 @@ double ms_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
+float aspect_of(const RenderOptions& options) {
+  return static_cast<float>(options.width()) / static_cast<float>(options.height());
+}
+
 struct ChosenCamera {
   sideray_camera camera;
   std::string name;             // for the stats
   std::optional<size_t> index;  // of the content's, where it is one of them
 };
+
+sideray_camera projected(sideray_camera camera, const RenderOptions& options) {
+  const std::optional<Projection>& p = options.projection;
+  if (!p) return camera;
+  if (camera.orthographic) wrong_usage("--intrinsics: the camera is orthographic; choose another with --camera");
+  camera.yfov = p->yfov, camera.fx_per_fy = p->fx_per_fy;
+  camera.shift_x = p->shift_x, camera.shift_y = p->shift_y;
+  return camera;
+}
 
 void warn_about_aspect(const scenes::Camera& camera, float aspect) {
   if (camera.camera.orthographic || camera.aspect <= 0 || std::abs(camera.aspect / aspect - 1.0f) <= 0.01f) return;
@@ -31,9 +44,9 @@ void warn_about_aspect(const scenes::Camera& camera, float aspect) {
                             camera.name, camera.aspect, aspect));
 }
 
-ChosenCamera of_file(const Content& content, size_t index, float aspect) {
+ChosenCamera of_file(const Content& content, size_t index, const RenderOptions& options) {
   const scenes::Camera& camera = content.cameras[index];
-  warn_about_aspect(camera, aspect);
+  if (!options.projection) warn_about_aspect(camera, aspect_of(options));
   return {camera.camera, camera.name.empty() ? std::to_string(index) : camera.name, index};
 }
 
@@ -48,12 +61,11 @@ size_t index_of_camera(const Content& content, const std::string& wanted) {
 }
 
 ChosenCamera choose_camera(const RenderOptions& options, const Content& content) {
-  const float aspect = static_cast<float>(options.width()) / static_cast<float>(options.height());
   if (const std::optional<FreeCamera>& c = options.free_camera)
     return {scenes::look_at(c->eye.data(), c->target.data(), c->fov_deg), "", {}};
-  if (!options.camera.empty()) return of_file(content, index_of_camera(content, options.camera), aspect);
-  if (!content.cameras.empty()) return of_file(content, 0, aspect);
-  return {scenes::framing_camera(content, aspect), "framed", {}};
+  if (!options.camera.empty()) return of_file(content, index_of_camera(content, options.camera), options);
+  if (!content.cameras.empty()) return of_file(content, 0, options);
+  return {scenes::framing_camera(content, aspect_of(options)), "framed", {}};
 }
 
 struct LatLong {
@@ -174,7 +186,7 @@ Session::Session(const RenderOptions& options) : scene_(Scene::create().value())
   content_ = load(options);
   for (const std::string& warning : content_.warnings) print_warning(warning);
   const ChosenCamera chosen = choose_camera(options, content_);
-  camera_ = chosen.camera;
+  camera_ = projected(chosen.camera, options);
   camera_name_ = chosen.name;
   camera_index_ = chosen.index;
   time_s_ = time_before_s_ = options.time_s;
@@ -220,7 +232,7 @@ void Session::move_to(const RenderOptions& options) {
   time_s_ = options.time_s;
   time_before_s_ = time_before_s;
   scene_.set_time(time_s_, time_before_s_);
-  if (camera_index_) camera_ = content_.cameras[*camera_index_].camera;
+  if (camera_index_) camera_ = projected(content_.cameras[*camera_index_].camera, options);
   // A commit costs an update of everything that is traced, and a moving camera needs none.
   if (filled_ && (!content_.winds.empty() || pose_of(content_) != before)) scenes::move(scene_, content_);
   pose_ms_ = ms_since(start);

@@ -19,10 +19,12 @@ TruthJson camera_json(const sideray_camera& camera, uint32_t width, uint32_t hei
   TruthJson json = TruthJson::object();
   json["world_from_camera"] = camera.world_from_camera;
   const double half = camera.orthographic ? double{camera.half_height} : std::tan(0.5 * double{camera.yfov});
-  const double focal = 0.5 * height / half;
+  const double focal_y = 0.5 * height / half;
+  const double focal_x = camera.fx_per_fy == 0.0f ? focal_y : focal_y * double{camera.fx_per_fy};
+  const double middle_x = width * (0.5 + double{camera.shift_x}), middle_y = height * (0.5 + double{camera.shift_y});
   json[camera.orthographic ? "pixels_per_unit" : "K"] =
-      camera.orthographic ? TruthJson(focal)
-                          : TruthJson({focal, 0.0, 0.5 * width, 0.0, focal, 0.5 * height, 0.0, 0.0, 1.0});
+      camera.orthographic ? TruthJson(focal_y)
+                          : TruthJson({focal_x, 0.0, middle_x, 0.0, focal_y, middle_y, 0.0, 0.0, 1.0});
   return json;
 }
 

@@ -28,7 +28,7 @@ Json found(const RenderOptions& options, const RenderRun& run) {
   Json json = Json::object();
   if (!run.camera.empty()) json["camera"] = run.camera;
   if (!run.animation.empty()) json["animation"] = run.animation;
-  if (options.free_camera) json["fov"] = options.free_camera->fov_deg;
+  if (options.free_camera && !options.projection) json["fov"] = options.free_camera->fov_deg;
   if (run.device.gl) json["gl"] = run.device.gl;
   if (run.device.id) json["device"] = run.device.id;
   if (run.stats.threads != 0) json["threads"] = run.stats.threads;

@@ -8,18 +8,18 @@
 namespace sideray::python {
 namespace {
 
-using Vec3 = std::array<double, 3>;
+using Vec3 = std::array<float, 3>;
 
 // Of each face of OpenGL's cubes (+X, -X, +Y, -Y, +Z, -Z): the axes that s and t follow, and their signs.
 struct Face {
   size_t s, t;
-  double s_sign, t_sign;
+  float s_sign, t_sign;
 };
 constexpr std::array<Face, 6> cube_faces = {
     {{2, 1, -1, -1}, {2, 1, 1, -1}, {0, 2, 1, 1}, {0, 2, 1, -1}, {0, 1, 1, -1}, {0, 1, -1, -1}}};
 
-double linear_of_srgb(double v) {
-  return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+float linear_of_srgb(float v) {
+  return v <= 0.04045f ? v / 12.92f : static_cast<float>(std::pow((double{v} + 0.055) / 1.055, 2.4));
 }
 
 // The faces of a sky, (6, side, side, channels), in MuJoCo's world, where z is up and the cube has y for it.
@@ -40,22 +40,23 @@ class Sky {
       if (std::abs(d[k]) > std::abs(d[axis])) axis = k;
     const size_t number = 2 * axis + (d[axis] < 0 ? 1 : 0);
     const Face& face = cube_faces[number];
-    const double length = std::max(std::abs(d[axis]), 1e-12);
-    return bilinear(number, 0.5 * (face.s_sign * d[face.s] / length + 1), 0.5 * (face.t_sign * d[face.t] / length + 1));
+    const float half = 0.5f / std::max(std::abs(d[axis]), 1e-30f);
+    return bilinear(number, face.s_sign * d[face.s] * half + 0.5f, face.t_sign * d[face.t] * half + 0.5f);
   }
 
  private:
-  Vec3 bilinear(size_t face, double s, double t) const {
-    const double last = static_cast<double>(side_ - 1);
-    const double x = std::clamp(s * static_cast<double>(side_) - 0.5, 0.0, last);
-    const double y = std::clamp(t * static_cast<double>(side_) - 0.5, 0.0, last);
+  Vec3 bilinear(size_t face, float s, float t) const {
+    const auto last = static_cast<float>(side_ - 1);
+    const float x = std::clamp(s * static_cast<float>(side_) - 0.5f, 0.0f, last);
+    const float y = std::clamp(t * static_cast<float>(side_) - 0.5f, 0.0f, last);
     const auto x0 = static_cast<size_t>(x), y0 = static_cast<size_t>(y);
     const size_t x1 = std::min(x0 + 1, side_ - 1), y1 = std::min(y0 + 1, side_ - 1);
-    const double u = x - static_cast<double>(x0), v = y - static_cast<double>(y0);
+    const float u = x - static_cast<float>(x0), v = y - static_cast<float>(y0);
     const uint8_t *a = texel(face, x0, y0), *b = texel(face, x1, y0), *c = texel(face, x0, y1), *e = texel(face, x1, y1);
     Vec3 color;
     for (size_t k = 0; k < 3; ++k) {
-      color[k] = ((a[k] * (1 - u) + b[k] * u) * (1 - v) + (c[k] * (1 - u) + e[k] * u) * v) / 255.0;
+      const auto at = [k](const uint8_t* texel) { return static_cast<float>(texel[k]); };
+      color[k] = ((at(a) * (1 - u) + at(b) * u) * (1 - v) + (at(c) * (1 - u) + at(e) * u) * v) * (1.0f / 255.0f);
       if (srgb_) color[k] = linear_of_srgb(color[k]);
     }
     return color;
@@ -71,7 +72,7 @@ class Sky {
 
 Vec3 vector_of(const Array<double>& array, const char* what) {
   require_shape(array, {3}, what);
-  return {array.data()[0], array.data()[1], array.data()[2]};
+  return {static_cast<float>(array.data()[0]), static_cast<float>(array.data()[1]), static_cast<float>(array.data()[2])};
 }
 
 // Where nothing hides it, `added` is added and the sky times `sky_share`. planes: R, G, B, A. A pixel's direction is corner +
@@ -90,18 +91,22 @@ py::array with_backdrop(const std::vector<Array<float>>& planes, const Array<dou
   float* to = result.mutable_data();
   const std::array<const float*, 4> rgba = {planes[0].data(), planes[1].data(), planes[2].data(), planes[3].data()};
   py::gil_scoped_release released;
+  const auto share = static_cast<float>(sky_share);
   for (py::ssize_t y = 0, i = 0; y < height; ++y)
     for (py::ssize_t x = 0; x < width; ++x, ++i, to += 3) {
-      const double clear = 1.0 - double{rgba[3][i]};
-      Vec3 missing = constant;
-      if (sky && clear > 0.0) {
-        Vec3 d;
-        for (size_t k = 0; k < 3; ++k)
-          d[k] = from[k] + static_cast<double>(x) * right[k] + static_cast<double>(y) * below[k];
-        const Vec3 seen = sky->look_up(d);
-        for (size_t k = 0; k < 3; ++k) missing[k] += sky_share * seen[k];
+      const float clear = 1.0f - rgba[3][i];
+      if (clear <= 0.0f) {
+        for (size_t k = 0; k < 3; ++k) to[k] = rgba[k][i];
+        continue;
       }
-      for (size_t k = 0; k < 3; ++k) to[k] = clear > 0.0 ? static_cast<float>(double{rgba[k][i]} + clear * missing[k]) : rgba[k][i];
+      Vec3 missing = constant;
+      if (sky) {
+        Vec3 d;
+        for (size_t k = 0; k < 3; ++k) d[k] = from[k] + static_cast<float>(x) * right[k] + static_cast<float>(y) * below[k];
+        const Vec3 seen = sky->look_up(d);
+        for (size_t k = 0; k < 3; ++k) missing[k] += share * seen[k];
+      }
+      for (size_t k = 0; k < 3; ++k) to[k] = rgba[k][i] + clear * missing[k];
     }
   return result;
 }

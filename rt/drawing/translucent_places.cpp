@@ -1,8 +1,8 @@
 #include "rt/drawing/translucent_places.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <optional>
 
 namespace sideray::rt {
 namespace {
@@ -10,20 +10,40 @@ namespace {
 // In normalized device coordinates.
 struct Rectangle {
   glm::dvec2 low{INFINITY}, high{-INFINITY};
+
+  void add(const glm::dvec4& clip) {
+    const glm::dvec2 ndc = glm::dvec2(clip) / clip.w;
+    low = glm::min(low, ndc);
+    high = glm::max(high, ndc);
+  }
 };
 
-// Returns nothing where the bounds have no outline in the picture's plane.
-std::optional<Rectangle> outline(const model::Bounds& bounds, const glm::dmat4& clip_from_local) {
+// Above 0 for points of clip space on the far side of the near plane, taken a little nearer than it is: a ray begins there
+// in single precision.
+double past_near(const glm::dvec4& clip, const TraceView& view) {
+  constexpr double nearer = 1e-5;
+  if (view.reversed_depth) return (1.0 + nearer) * clip.w - clip.z;
+  return clip.z + (view.zero_to_one_depth ? nearer : 1.0 + nearer) * clip.w;
+}
+
+// Surrounds the part of the bounds that the near plane leaves.
+Rectangle outline(const model::Bounds& bounds, const TraceView& view) {
+  std::array<glm::dvec4, 8> corners;
+  std::array<double, 8> past;
   Rectangle r;
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::vec3 p(corner & 1 ? bounds.maximum.x : bounds.minimum.x, corner & 2 ? bounds.maximum.y : bounds.minimum.y,
-                      corner & 4 ? bounds.maximum.z : bounds.minimum.z);
-    const glm::dvec4 clip = clip_from_local * glm::dvec4(p, 1.0);
-    if (!(clip.w > 1e-9 * glm::length(glm::dvec3(clip)))) return std::nullopt;
-    const glm::dvec2 ndc = glm::dvec2(clip) / clip.w;
-    r.low = glm::min(r.low, ndc);
-    r.high = glm::max(r.high, ndc);
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const glm::vec3 p(i & 1 ? bounds.maximum.x : bounds.minimum.x, i & 2 ? bounds.maximum.y : bounds.minimum.y,
+                      i & 4 ? bounds.maximum.z : bounds.minimum.z);
+    corners[i] = view.clip_from_local * glm::dvec4(p, 1.0);
+    past[i] = past_near(corners[i], view);
+    if (past[i] > 0.0) r.add(corners[i]);
   }
+  for (size_t i = 0; i < corners.size(); ++i)
+    for (const size_t axis : {1u, 2u, 4u}) {
+      const size_t j = i | axis;
+      if (j != i && (past[i] > 0.0) != (past[j] > 0.0))
+        r.add(glm::mix(corners[i], corners[j], past[i] / (past[i] - past[j])));
+    }
   return r;
 }
 
@@ -44,10 +64,10 @@ std::vector<uint8_t> translucent_places(const model::Snapshot& snapshot, const T
   for (const model::Instance& instance : snapshot.instances) {
     if (!snapshot.materials[instance.material].translucent || instance.bounds.empty()) continue;
     if (instance.wind != 0 || instance.sprites != 0) return {};
-    const std::optional<Rectangle> r = outline(instance.bounds, view.clip_from_local);
-    if (!r) return {};
-    const uint32_t x0 = first_pixel(r->low.x, width), x1 = end_pixel(r->high.x, width);
-    const uint32_t y0 = first_pixel(r->low.y, height), y1 = end_pixel(r->high.y, height);
+    const Rectangle r = outline(instance.bounds, view);
+    if (r.low.x > r.high.x) continue;
+    const uint32_t x0 = first_pixel(r.low.x, width), x1 = end_pixel(r.high.x, width);
+    const uint32_t y0 = first_pixel(r.low.y, height), y1 = end_pixel(r.high.y, height);
     for (uint32_t y = y0; x0 < x1 && y < y1; ++y)
       std::fill_n(places.begin() + static_cast<ptrdiff_t>(size_t{y} * width + x0), x1 - x0, uint8_t{255});
   }

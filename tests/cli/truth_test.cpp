@@ -31,6 +31,39 @@ std::vector<bool> decoded_counts(const json& mask) {
   return pixels;
 }
 
+// A part of a picture has the larger one's lens and a principal point of its own.
+TEST_F(Truth, APartOfACalibratedPictureIsThatPart) {
+  render("solids -o whole.exr --size 48x32 --gl none --aov first --truth whole.json --intrinsics 40,30,22.5,17.25 --stats s.json");
+  EXPECT_EQ(json::parse(text_of(path("s.json")))["config"]["intrinsics"], "40,30,22.5,17.25");
+  const json k = truth("whole.json")["images"][0]["camera"]["K"];
+  const std::array<double, 9> wanted{40, 0, 22.5, 0, 30, 17.25, 0, 0, 1};
+  for (size_t i = 0; i < 9; ++i) EXPECT_NEAR(k[i].get<double>(), wanted[i], 1e-4) << i;
+  constexpr size_t left = 11, top = 5, width = 24, height = 16;
+  render("solids -o part.exr --size 24x16 --gl none --aov first --intrinsics 40,30,11.5,12.25");
+  const scenes::Image whole = scenes::read_image(path("whole.exr")), part = scenes::read_image(path("part.exr"));
+  const std::vector<uint32_t>&in_whole = whole.find("first.surface")->uint_values,
+        &in_part = part.find("first.surface")->uint_values;
+  size_t differ = 0;
+  std::set<uint32_t> seen;
+  for (size_t i = 0; i < in_part.size(); ++i) {
+    seen.insert(in_part[i]);
+    differ += in_part[i] != in_whole[(top + i / width) * whole.width + left + i % width];
+  }
+  EXPECT_EQ(in_part.size(), width * height);
+  EXPECT_LE(differ, 2u) << "an edge may fall beside a pixel's middle";
+  EXPECT_GE(seen.size(), 3u) << "nothing to see in the part";
+}
+
+// The lens belongs to the picture, also where its camera is moved by an animation or comes from a file.
+TEST_F(Truth, AFlightKeepsItsLens) {
+  render("bistro -o f.####.png --frames 0-2 --size 16x9 --gl none --camera dolly --translucency off --shadows off "
+         "--intrinsics 12,14,9,3 --truth t.####.json");
+  for (const char* file : {"t.0000.json", "t.0002.json"})
+    EXPECT_NEAR(truth(file)["images"][0]["camera"]["K"][2].get<double>(), 9.0, 1e-4) << file;
+  EXPECT_NE(truth("t.0000.json")["images"][0]["camera"]["world_from_camera"],
+            truth("t.0002.json")["images"][0]["camera"]["world_from_camera"]);
+}
+
 TEST_F(Truth, MasksAreThoseOfTheChannels) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   render("solids -o x.exr --size 64x36 --aov first,refraction.state --truth x.json");

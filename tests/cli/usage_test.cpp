@@ -148,6 +148,10 @@ TEST_F(Usage, ValuesAreChecked) {
   expect_refused("render panes -o x.png --eye 0,0,1 --target 0,0,0 --camera 0", usage, "--camera");
   expect_refused("render panes -o x.png --fov 40", usage, "--fov");
   expect_refused("render panes -o x.png --eye 0,0,1 --target 0,0,0 --fov 180", usage, "--fov");
+  for (const char* wrong : {"30,30,16", "30,30,16,9,0", "0,30,16,9", "30,-30,16,9", "30,30,nan,9", "30,1e-3,16,9",
+                            "30,1e-2,16,9", "30,30,1e6,9", "30,30,16,1e6"})
+    expect_refused(std::string("render panes -o x.png --size 32x18 --intrinsics ") + wrong, usage, "--intrinsics");
+  expect_refused("render panes -o x.png --intrinsics 30,30,16,9 --eye 0,0,1 --target 0,0,0 --fov 40", usage, "--fov");
   expect_refused("render panes -o x.png --camera nobody", usage, "nobody");
   expect_refused("render panes -o x.png --camera 99", usage, "99");
   expect_refused("render panes -o x.png --ray-traced 'nothing*'", usage, "nothing*");

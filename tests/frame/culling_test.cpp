@@ -144,6 +144,14 @@ TEST_F(Culling, OrthographicViewsCullNothing) {
   EXPECT_GT(all.stats.layers_matched, 0u);
 }
 
+// What a long lens enlarges, be it along rows alone, covers more of the picture than its angle says.
+TEST_F(Culling, ALensThatIsLongAcrossCullsLess) {
+  options_.shadows->method = SIDERAY_SHADOWS_OFF;
+  EXPECT_NE(draw(half_way), draw(0.0f));
+  camera_.fx_per_fy = 8.0f;
+  EXPECT_EQ(draw(half_way), draw(0.0f));
+}
+
 // What is culled casts no shadow that is traced, and is hit again where it looks large.
 TEST_F(Culling, ShadowsOfWhatIsCulledGo) {
   scenes::Content content = scenes::generate("empty", {});

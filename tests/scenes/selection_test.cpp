@@ -43,9 +43,13 @@ Content four_quads() {
   return content;
 }
 
-std::vector<bool> selected(const Content& content, const std::string& selection) {
+sideray_camera in_front() {
   const double eye[3] = {0.5, 0.5, 5}, target[3] = {0.5, 0.5, 0};
-  return select_ray_traced(content, selection, look_at(eye, target, 45.0f), 640, 360);
+  return look_at(eye, target, 45.0f);
+}
+
+std::vector<bool> selected(const Content& content, const std::string& selection) {
+  return select_ray_traced(content, selection, in_front(), 640, 360);
 }
 
 TEST(Selection, AutoTakesMarksAndSmoothGlass) {
@@ -66,6 +70,20 @@ TEST(Selection, AutoReadsTheMeanOfTheRoughnessTexture) {
   EXPECT_THAT(selected(content, "auto"), ElementsAre(false, true, true, false));
   content.textures[0].rgba = {0, 255, 0, 255, 0, 80, 0, 255};
   EXPECT_THAT(selected(content, "auto"), ElementsAre(false, true, false, false));
+}
+
+// What counts is the area in the picture, of which a lens may show a part.
+TEST(Selection, LargestGoesByTheLens) {
+  Content content = four_quads();
+  content.objects[2].world_from_object[9] = 3.0;  // the big one, to the right
+  sideray_camera camera = in_front();
+  const auto largest = [&] { return select_ray_traced(content, "largest:1", camera, 640, 360); };
+  EXPECT_THAT(largest(), ElementsAre(false, false, true, false));
+  camera.shift_x = 0.4f;
+  EXPECT_THAT(largest(), ElementsAre(false, true, false, false)) << "the big one is outside";
+  camera.shift_x = 0.0f;
+  camera.fx_per_fy = 4.0f;
+  EXPECT_THAT(largest(), ElementsAre(false, true, false, false)) << "a narrower view";
 }
 
 TEST(Selection, NamedForms) {
