@@ -56,8 +56,6 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-# Loaded at run time, so that no tool finds them.
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "libegl1")
-# A bare system has no driver behind libegl1.
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libgl1-mesa-dri, libosmesa6")
+# OpenGL is loaded at run time where it is there, and rays alone draw elsewhere. A bare system has no driver behind libegl1.
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libegl1, libgl1-mesa-dri, libosmesa6")
 include(CPack)

@@ -5,6 +5,7 @@
 #include "rt/base/float_mode.h"
 #include "rt/cache/layer_tracing.h"
 #include "rt/composite/composite_tracing.h"
+#include "rt/drawing/blend_translucent.h"
 #include "rt/drawing/composite_over.h"
 #include "rt/drawing/distort_picture.h"
 #include "rt/drawing/motion.h"
@@ -161,6 +162,10 @@ std::vector<glm::vec2> Tracer::trace_motion(const MotionRequest& request, const 
 
 void Tracer::distort(const OpaqueRequest& request, const OpaquePixels& pixels, std::vector<glm::vec4>& picture) {
   distort_picture(request, pixels, state_->scene, picture);
+}
+
+Counters Tracer::blend(const BlendRequest& request, std::vector<glm::vec4>& picture) {
+  return blend_translucent(request, state_->scene, picture);
 }
 
 void Tracer::average(const AverageRequest& request, const OpaquePixels& pixels, const std::vector<glm::vec2>& motion,

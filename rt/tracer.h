@@ -37,6 +37,7 @@ struct OpaquePixels;
 struct OpaqueMaterials;
 struct OpaqueLightRequest;
 struct MotionRequest;
+struct BlendRequest;
 struct AverageRequest;
 class TemporalAverage;
 
@@ -93,6 +94,7 @@ class Tracer {
   Counters light_opaque(const OpaqueLightRequest& request, std::vector<glm::vec4>& picture);
   std::vector<glm::vec2> trace_motion(const MotionRequest& request, const OpaquePixels& pixels);
   void distort(const OpaqueRequest& request, const OpaquePixels& pixels, std::vector<glm::vec4>& picture);
+  Counters blend(const BlendRequest& request, std::vector<glm::vec4>& picture);
   void average(const AverageRequest& request, const OpaquePixels& pixels, const std::vector<glm::vec2>& motion,
                TemporalAverage& average, std::vector<glm::vec4>& picture);
   // Puts what was composited over the picture.

@@ -99,6 +99,15 @@ void plan_translucency(const model::Snapshot& snapshot, const RenderOptions& opt
   if (layers.whole_pixels) layers.others_bits = gl::others_stencil_bit;
 }
 
+// Where rays composite all surfaces, layers that are to be shown are traced apart, as a cache would hold them.
+void plan_shown_layers(const model::Snapshot& snapshot, const RenderOptions& options, FramePlan& plan) {
+  if (!plan.resolves || !options.shows(SIDERAY_AOV_LAYERS) || !has_traced(snapshot, gl::TracedSet::visible_in_layers)) return;
+  plan.shown_layers = layer_inputs(options);
+  plan.shown_layers.mode = SIDERAY_CACHE;
+  plan.shown_layers.refraction = plan.layers.refraction;
+  plan.shown_layers.ray_reuse = plan.layers.ray_reuse;
+}
+
 void plan_reuse(const model::Snapshot& snapshot, const RenderOptions& options, FramePlan& plan) {
   if (!plan.traces || plan.layers.light_samples > 0) return;
   const ReuseBound reuse = ray_reuse_of(snapshot, options);
@@ -213,6 +222,7 @@ FramePlan plan_parts(const model::Snapshot& snapshot, const RenderOptions& o, Dr
   const Method method = method_of(o.translucency, drawing);
   plan_translucency(snapshot, o, method, plan);
   plan_reuse(snapshot, o, plan);
+  plan_shown_layers(snapshot, o, plan);
   plan_occlusion(snapshot, o, plan);
   plan_sequence(o, plan);
   // A frame without rays keeps plants as they are drawn: poses for rays would cost an update for nothing.

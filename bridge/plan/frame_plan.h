@@ -22,7 +22,8 @@ struct FramePlan {
   Drawing drawing;
   bool resolves;   // of layers that are composited: what bends light is resolved and rough reflections are filtered
   bool reference;  // everything is drawn by rays: of `layers`, light_samples, bounces and refraction count
-  bool traces, draws_mask, shadow_maps, distorts, rasters_translucency;
+  bool traces, draws_mask, shadow_maps, distorts;
+  bool rasters_translucency;  // fragments are blended, or what is seen along rays as they would be
   bool drops_particles;  // neither rays nor the rasterizer show them
   gl::TracedSet traced;
   gl::MaskKind mask_kind;
@@ -36,6 +37,8 @@ struct FramePlan {
   // The renderer asks the service for these, as any host does, and adds the names of textures. The rasterizer obeys
   // `refraction` also where nothing is traced.
   sideray_layer_inputs layers;            // with `traces`
+  // Where rays composite all surfaces: the cache that is traced besides, to be shown; max_layers 0: none is.
+  sideray_layer_inputs shown_layers;
   sideray_mask_inputs masks;              // with masks_occlusion()
   sideray_reflection_inputs reflections;  // with `reflects`
   const char *why_not_whole, *why_no_reuse, *why_no_ao, *why_no_reflections;
@@ -56,6 +59,7 @@ struct FramePlan {
   bool draws_by_rays() const { return drawing == Drawing::rays; }
   bool uses_rays() const { return draws_by_rays() || traces || lights_by_rays(); }
   bool fills_cache() const { return traces && layers.mode == SIDERAY_CACHE; }
+  uint32_t layers_to_show() const { return fills_cache() ? layers.max_layers : shown_layers.max_layers; }
   bool composites() const { return traces && layers.mode == SIDERAY_COMPOSITE; }
 };
 

@@ -49,7 +49,8 @@ std::string why_not_traced(const Facts& f) {
   const sideray_translucency_options& o = f.options.translucency;
   if (f.options.draws(SIDERAY_TRANSLUCENCY_OFF)) return "translucency is off";
   if (f.translucent == 0 && !f.sprites) return "nothing in the scene is translucent";
-  if (f.options.draws(SIDERAY_TRANSLUCENCY_RASTER)) return "translucency is rasterized";
+  if (f.options.draws(SIDERAY_TRANSLUCENCY_RASTER))
+    return f.plan.draws_by_rays() ? "translucency has its raster look" : "translucency is rasterized";
   if (f.options.is_hybrid() && o.layers == 0) return "0 layers were asked for";
   if (f.translucent == 0) return "nothing but particles is translucent, and rays do not hit them";
   return fmt::format("none of {} is chosen for layers", number_of(f.translucent, "translucent object"));
@@ -158,6 +159,8 @@ PlannedPass trace_pass(const Facts& f) {
   std::vector<std::string> runs;
   if (f.plan.traces) runs.push_back(why_traced(f));
   if (f.plan.layers.refraction && f.plan.traces) runs.push_back("what is seen through surfaces that bend light is followed");
+  if (f.plan.shown_layers.max_layers > 0)
+    runs.push_back(fmt::format("{} a pixel are traced once more, to be shown", number_of(f.plan.shown_layers.max_layers, "layer")));
   if (f.plan.layers.ray_reuse > 0.0f)
     runs.push_back(fmt::format(
         "three of four pixels reuse the rays of their neighbours, and trace where these donors differ by more than {}",
@@ -205,7 +208,9 @@ PlannedPass light_pass(const Facts&) {
 
 PlannedPass composite_pass(const Facts& f) {
   std::vector<const char*> runs;
-  if (f.plan.rasters_translucency)
+  if (f.plan.rasters_translucency && f.plan.draws_by_rays())
+    runs.push_back("translucent surfaces are blended in the order along each ray, with a ray to each light");
+  else if (f.plan.rasters_translucency)
     runs.push_back(f.plan.traces ? "translucent surfaces are blended, the traced ones with their layers"
                                  : "translucent surfaces are blended");
   if (f.plan.layers.whole_pixels)

@@ -202,13 +202,17 @@ void add_bytes(const RenderOptions& o, const FramePlan& plan, const Textures& te
   work.bytes_upload += layer_bytes;
 }
 
-// Adds the rays that find opaque surfaces and those to lights without a mask. Sprites are lit apart.
+// Adds the rays that find opaque surfaces, those to lights without a mask, and those of surfaces that are blended. Sprites are
+// lit apart. Layers that are only shown are not counted.
 void add_drawing(const model::Snapshot& snapshot, const FramePlan& plan, sideray_plan_work& work) {
   const uint64_t pixels = uint64_t{plan.width} * plan.height;
   work.rays_primary = sum(work.rays_primary, pixels);
   if (plan.casts_shadows && !plan.masks_shadows())
     work.rays_shadow = sum(work.rays_shadow, product(pixels, 2 * snapshot.lights.size()));
   if (plan.layers.particles) work.rays_shadow = SIDERAY_UNBOUNDED;
+  if (!plan.rasters_translucency) return;
+  work.rays_primary = SIDERAY_UNBOUNDED;
+  if (plan.casts_shadows && !snapshot.lights.empty()) work.rays_shadow = SIDERAY_UNBOUNDED;
 }
 
 }  // namespace

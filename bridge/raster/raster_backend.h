@@ -40,7 +40,7 @@ class RasterBackend final : public Backend {
   std::vector<uint8_t> count_translucent(const PictureJob& job) override;
   std::vector<uint8_t> read_shadows(size_t bytes) override;
   const rt::OcclusionMasks& masks() const override { return service_->mask_image(); }
-  const rt::LayerCache& cache() const override { return service_->cache(); }
+  const rt::LayerCache& read_layers(const PictureJob&) override { return service_->cache(); }
   const rt::CompositeImage& composite() const override { return service_->composite(); }
 
  private:

@@ -6,6 +6,7 @@
 #include "bridge/base/local_view.h"
 #include "bridge/drawing/trace_inputs.h"
 #include "model/failure.h"
+#include "rt/drawing/blend_translucent.h"
 #include "rt/drawing/motion.h"
 #include "rt/drawing/opaque_light.h"
 
@@ -26,6 +27,7 @@ class RayBackend::Frame {
  public:
   Frame(RayBackend& backend, PictureJob& job, const FramePosition& position, FrameTimer& timer)
       : b_(backend),
+        jobs_(*backend.jobs_),
         job_(job),
         plan_(job.plan),
         tracer_(job.tracer->tracer),
@@ -43,29 +45,34 @@ class RayBackend::Frame {
   FrameCounters draw() {
     counters_.trace.pixels_total = uint64_t{plan_.width} * plan_.height;
     timer_.stage(SIDERAY_STAGE_GBUFFER, [&] { find_opaque(); });
-    if (inputs_.budget_ms > 0.0f) end_ = b_.budget_.begin(0, inputs_.budget_ms);
+    if (inputs_.budget_ms > 0.0f) end_ = jobs_.budget.begin(0, inputs_.budget_ms);
     if (plan_.motion) timer_.stage(SIDERAY_STAGE_GBUFFER, [&] { b_.motion_ = tracer_.trace_motion(motion(), b_.pixels_); });
     if (plan_.masks_occlusion()) {
       Textures textures;  // rest poses, which nothing needs here, and motion
       if (plan_.motion && inputs_.continues) textures[1] = std::as_bytes(std::span(b_.motion_));
-      trace(b_.masks_, textures);
+      trace(jobs_.masks, textures);
     }
-    if (plan_.reflects) trace(b_.reflections_, Textures{std::as_bytes(std::span(b_.pixels_.normals))});
-    if (!plan_.without_color) timer_.stage(SIDERAY_STAGE_LIGHT, [&] { light(); });
-    if (plan_.distorts)
-      timer_.stage(SIDERAY_STAGE_COMPOSITE, [&] { tracer_.distort(b_.request_, b_.pixels_, b_.picture_); });
-    if (plan_.traces) {
-      places_ = tracer_.translucent_places(b_.request_);
-      if (!places_.empty()) inputs_.source.mask = SIDERAY_MASK_MEMORY;
-      trace(b_.layers_, Textures());
-    }
-    if (plan_.traces) timer_.stage(SIDERAY_STAGE_COMPOSITE, [&] { tracer_.composite_over(b_.layers_.composite(), b_.picture_); });
-    if (plan_.averages && !job_.sequence.adds()) timer_.stage(SIDERAY_STAGE_COMPOSITE, [&] { average(); });
+    if (plan_.reflects) trace(jobs_.reflections, Textures{std::as_bytes(std::span(b_.pixels_.normals))});
+    if (!plan_.without_color) color();
     timer_.add(counters_.trace);
     return counters_;
   }
 
  private:
+  void color() {
+    timer_.stage(SIDERAY_STAGE_LIGHT, [&] { light(); });
+    if (plan_.distorts)
+      timer_.stage(SIDERAY_STAGE_COMPOSITE, [&] { tracer_.distort(b_.request_, b_.pixels_, b_.picture_); });
+    if (plan_.rasters_translucency) timer_.stage(SIDERAY_STAGE_COMPOSITE, [&] { blend(); });
+    if (plan_.traces) {
+      places_ = tracer_.translucent_places(b_.request_);
+      if (!places_.empty()) inputs_.source.mask = SIDERAY_MASK_MEMORY;
+      trace(jobs_.layers, Textures());
+      timer_.stage(SIDERAY_STAGE_COMPOSITE, [&] { tracer_.composite_over(jobs_.layers.composite(), b_.picture_); });
+    }
+    if (plan_.averages && !job_.sequence.adds()) timer_.stage(SIDERAY_STAGE_COMPOSITE, [&] { average(); });
+  }
+
   void find_opaque() {
     b_.request_ = {.view = view_,
                    .width = plan_.width,
@@ -80,12 +87,12 @@ class RayBackend::Frame {
     rt::PiecesLeft pieces(inputs_.budget_pieces);
     rt::WorkTime work = time_of(job, inputs_, watch_.start());
     // Nothing else shows glass: its layers are whole.
-    const bool is_bounded = &job != &b_.layers_;
-    const size_t index = &job == &b_.masks_ ? 0 : 1;
+    const bool is_bounded = &job != &jobs_.layers;
+    const size_t index = &job == &jobs_.masks ? 0 : 1;
     FrameBudget::Turn turn{};
     if (inputs_.budget_ms > 0.0f && is_bounded) {
       const bool reflects_later = index == 0 && plan_.reflects;
-      turn = b_.budget_.start(0, index, {false, reflects_later, false}, end_);
+      turn = jobs_.budget.start(0, index, {false, reflects_later, false}, end_);
       work = {.deadline = turn.stop, .least_pieces = 1, .ends_in_time = true};
     }
     if (inputs_.budget_pieces > 0 && is_bounded) work.pieces = &pieces;
@@ -99,7 +106,7 @@ class RayBackend::Frame {
                                        .work = work,
                                        .shading_queue = nullptr});
     if (inputs_.budget_ms > 0.0f && is_bounded) {
-      b_.budget_.finish(0, index, turn, counters);
+      jobs_.budget.finish(0, index, turn, counters);
       counters.jobs_starved = turn.starved;
     }
     counters.pixels_total = 0;  // they are the frame's
@@ -108,14 +115,25 @@ class RayBackend::Frame {
 
   void light() {
     rt::OpaqueLightRequest request{.view = view_, .pixels = &b_.pixels_};
-    if (plan_.masks_occlusion()) request.masks = &b_.masks_.image();
+    if (plan_.masks_occlusion()) request.masks = &jobs_.masks.image();
     request.shadow_lights = plan_.masks.shadow_lights;
     request.combined_lights = plan_.masks.combined_lights != 0;
     request.sky = plan_.masks.ao_rays != 0;
     request.unhidden_sky = plan_.masks.unhidden_sky != 0;
-    if (plan_.reflects) request.mirrored = &b_.reflections_.image();
+    if (plan_.reflects) request.mirrored = &jobs_.reflections.image();
     request.shadows = plan_.casts_shadows;
     counters_.trace += tracer_.light_opaque(request, b_.picture_);
+  }
+
+  // Draws what OpenGL would rasterize.
+  void blend() {
+    const std::vector<uint8_t> places = tracer_.translucent_places(b_.request_);
+    const rt::BlendRequest request{.view = view_,
+                                   .pixels = &b_.pixels_,
+                                   .places = places,
+                                   .aside = plan_.layers.refraction != 0,
+                                   .shadows = plan_.casts_shadows};
+    counters_.trace += tracer_.blend(request, b_.picture_);
   }
 
   static glm::dmat4 without_jitter(const gl::RasterView& view) {
@@ -151,6 +169,7 @@ class RayBackend::Frame {
   }
 
   RayBackend& b_;
+  Jobs& jobs_;
   PictureJob& job_;
   const FramePlan& plan_;
   rt::Tracer& tracer_;
@@ -174,6 +193,12 @@ RayBackend::RayBackend(std::string reason) {
   info_.reason = std::move(reason);
 }
 
+// What jobs keep is compared with what they trace next, and a scene's revisions are its own.
+void RayBackend::set_tracer(sideray_tracer* tracer) {
+  if (tracer != tracer_) jobs_ = std::make_unique<Jobs>();
+  tracer_ = tracer;
+}
+
 void RayBackend::resize(uint32_t width, uint32_t height) {
   width_ = width;
   height_ = height;
@@ -184,7 +209,8 @@ gl::RasterView RayBackend::make_view(const sideray_camera& camera, glm::vec2 jit
 }
 
 FrameCounters RayBackend::draw(PictureJob& job, const FramePosition& position, FrameTimer& timer, Fragments) {
-  require_shader_that_answers(*job.snapshot);
+  if (job.plan.traces) require_shader_that_answers(*job.snapshot);
+  position_ = position;
   return Frame(*this, job, position, timer).draw();
 }
 
@@ -203,8 +229,28 @@ std::vector<uint8_t> RayBackend::count_translucent(const PictureJob& job) {
   return tracer_->tracer.count_translucent(request_, pixels_, job.plan.layers.particles != 0, gl::mask_stencil_bits);
 }
 
+// They are traced for this alone: the picture has the surfaces' composite.
+const rt::LayerCache& RayBackend::read_layers(const PictureJob& job) {
+  const std::lock_guard turn(tracer_->turn);
+  FrameInputs inputs = trace_inputs(job, position_);
+  inputs.layers = job.plan.shown_layers;
+  const std::vector<uint8_t> places = tracer_->tracer.translucent_places(request_);
+  if (!places.empty()) inputs.source.mask = SIDERAY_MASK_MEMORY;
+  const std::atomic<bool> cancelled{false};
+  jobs_->shown_layers.trace({inputs, 0, *job.snapshot, rt::SequenceStep::first, false},
+                      {.tracer = tracer_->tracer,
+                       .depth = pixels_.depth(),
+                       .mask_bytes = places,
+                       .textures = {},
+                       .subpixel = 0.0f,
+                       .cancelled = cancelled,
+                       .work = {},
+                       .shading_queue = nullptr});
+  return jobs_->shown_layers.cache();
+}
+
 std::vector<uint8_t> RayBackend::read_shadows(size_t bytes) {
-  std::vector<uint8_t> lit = masks_.image().lit;
+  std::vector<uint8_t> lit = jobs_->masks.image().lit;
   lit.resize(bytes);
   return lit;
 }

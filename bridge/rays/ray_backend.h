@@ -5,6 +5,7 @@
 
 #include <array>
 #include <atomic>
+#include <memory>
 #include <string>
 
 #include "bridge/drawing/picture_job.h"
@@ -27,7 +28,7 @@ class RayBackend final : public Backend {
   void begin_call() override {}
   void end_call() override {}
   void require_no_errors() override {}
-  void set_tracer(sideray_tracer* tracer) override { tracer_ = tracer; }
+  void set_tracer(sideray_tracer* tracer) override;
   void set_scene(std::shared_ptr<const model::Snapshot> snapshot) override { snapshot_ = std::move(snapshot); }
   void set_culled(std::span<const uint8_t>) override {}
   void resize(uint32_t width, uint32_t height) override;
@@ -49,9 +50,9 @@ class RayBackend final : public Backend {
   std::vector<glm::vec2> read_motion() override { return motion_; }
   std::vector<uint8_t> count_translucent(const PictureJob& job) override;
   std::vector<uint8_t> read_shadows(size_t bytes) override;
-  const rt::OcclusionMasks& masks() const override { return masks_.image(); }
-  const rt::LayerCache& cache() const override { return layers_.cache(); }
-  const rt::CompositeImage& composite() const override { return layers_.composite(); }
+  const rt::OcclusionMasks& masks() const override { return jobs_->masks.image(); }
+  const rt::LayerCache& read_layers(const PictureJob& job) override;
+  const rt::CompositeImage& composite() const override { return jobs_->layers.composite(); }
 
  private:
   class Frame;
@@ -60,11 +61,16 @@ class RayBackend final : public Backend {
   sideray_tracer* tracer_ = nullptr;
   std::shared_ptr<const model::Snapshot> snapshot_;
   uint32_t width_ = 0, height_ = 0;
-  MaskJob masks_;
-  ReflectionJob reflections_;
-  LayerJob layers_;
-  FrameBudget budget_;
-  rt::OpaqueRequest request_;  // of the frame that was drawn last, as the next three
+  // With what they keep from frame to frame of a scene.
+  struct Jobs {
+    MaskJob masks;
+    ReflectionJob reflections;
+    LayerJob layers, shown_layers;
+    FrameBudget budget;
+  };
+  std::unique_ptr<Jobs> jobs_ = std::make_unique<Jobs>();
+  FramePosition position_;  // of the frame that was drawn last, as the next four
+  rt::OpaqueRequest request_;
   rt::OpaquePixels pixels_;
   std::vector<glm::vec2> motion_;
   std::vector<glm::vec4> picture_;

@@ -130,8 +130,8 @@ void add_aovs(const PictureJob& job, const gl::RasterView& view, Picture& pictur
   if (o.shows(SIDERAY_AOV_MOTION)) add_motion(job, picture);
   if (o.shows(SIDERAY_AOV_INEXACT)) add_inexact_marks(job, picture);
   if (o.shows(SIDERAY_AOV_MASK)) add_mask_count(job, picture);
-  if (o.shows(SIDERAY_AOV_LAYERS) && job.plan.fills_cache())
-    add_layers(picture, job.backend.cache(), job.plan.layers.max_layers);
+  if (o.shows(SIDERAY_AOV_LAYERS) && job.plan.layers_to_show() > 0)
+    add_layers(picture, job.backend.read_layers(job), job.plan.layers_to_show());
   add_ground_truth(job, picture);
 }
 

@@ -109,7 +109,7 @@ Aovs parse_aovs(const std::string& list, const FrameContents& frame) {
     if (frame.inexact) aovs.bits |= SIDERAY_AOV_INEXACT;
     if (frame.reference) aovs.bits &= ~uint32_t{SIDERAY_AOV_MASK | SIDERAY_AOV_MOTION | SIDERAY_AOV_INEXACT};
     if (!frame.shadow_masks) aovs.bits &= ~uint32_t{SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE};
-    if (frame.layers > 0 && !frame.reference && !frame.by_rays) aovs.bits |= SIDERAY_AOV_LAYERS;
+    if (frame.layers > 0 && !frame.reference) aovs.bits |= SIDERAY_AOV_LAYERS;
   }
   return aovs;
 }

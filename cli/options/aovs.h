@@ -16,7 +16,6 @@ struct Aovs {
 struct FrameContents {
   uint32_t layers = 0;
   bool shadow_masks = false, inexact = false, reference = false;
-  bool by_rays = false;  // without OpenGL, which keeps no layers
 };
 
 // `list`: comma separated. Throws UsageError for what is unknown, or not in the frame.

@@ -145,7 +145,7 @@ void set_aovs(const Given& given, RenderOptions& result) {
   const std::string shadows = sideray_options_get(result.named.get(), "shadows");
   const bool inexact = !is_reference && shadows == "inexact";
   const bool masks = inexact || (!is_reference && shadows == "exact");
-  result.aovs = parse_aovs(given.at("aov"), {layers, masks, inexact, is_reference, result.gl == "none"});
+  result.aovs = parse_aovs(given.at("aov"), {layers, masks, inexact, is_reference});
 }
 
 void set_bounds(const Given& given, RenderOptions& result) {

@@ -1,6 +1,7 @@
 #include "cli/stress/stress.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 
@@ -65,17 +66,27 @@ Renderer make_renderer(const StressOptions& options) {
 
 std::string device_of(const Renderer& renderer) {
   const sideray_device_info info = renderer.device();
-  return fmt::format("{}, OpenGL {}", info.renderer, info.version);
+  return *info.version ? fmt::format("{}, OpenGL {}", info.renderer, info.version) : std::string(info.renderer);
+}
+
+// Says which cases have no rows because nothing draws the fragments that they are about.
+void tell_left_out(const std::vector<StressCase>& cases, const lab::StressStage& stage) {
+  std::vector<std::string> names;
+  for (const StressCase& c : cases)
+    if (!lab::has_meaning(c, stage)) names.push_back(c.name);
+  if (names.empty()) return;
+  print_warning(fmt::format("stress: without OpenGL no fragment looks for layers: {} left out", fmt::join(names, ", ")));
 }
 
 int run_whole(const StressOptions& options) {
   Renderer renderer = make_renderer(options);
   lab::StressStage stage = lab::stress_stage(renderer, options.quick);
+  tell_left_out(options.cases, stage);
   Progress progress(options.cases.size());
   std::vector<StressRow> rows;
   for (const StressCase& c : options.cases) {
     progress.next(c.name);
-    for (StressRow& row : c.run(stage)) rows.push_back(std::move(row));
+    for (StressRow& row : lab::run_case(c, stage)) rows.push_back(std::move(row));
   }
   return write_stress(options.folder, options.cases, rows, device_of(renderer));
 }
@@ -98,10 +109,11 @@ int run_shard(const StressOptions& options) {
   if (!cases.empty()) {
     Renderer renderer = make_renderer(options);
     lab::StressStage stage = lab::stress_stage(renderer, options.quick);
+    tell_left_out(cases, stage);
     Progress progress(cases.size());
     for (const StressCase& c : cases) {
       progress.next(c.name);
-      const CaseFile made{program_build(), device_of(renderer), c.run(stage)};
+      const CaseFile made{program_build(), device_of(renderer), lab::run_case(c, stage)};
       save_case(options.folder, c.name, options.quick, made);
       rows.insert(rows.end(), made.rows.begin(), made.rows.end());
     }

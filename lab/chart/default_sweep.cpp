@@ -137,6 +137,7 @@ void add_hybrid(const SweepScene& scene, List& list) {
 void add_translucency_by_rays(const SweepScene& scene, List& list) {
   list.add(baseline, {{"translucency", "off"}});
   if (!has_translucency(scene)) return;
+  list.add(baseline, raster());
   list.add(baseline, hybrid("4"));
   list.add(choice, hybrid("4", {{"denoise", "off"}}));
   add_reuse("4", list);
@@ -359,7 +360,7 @@ std::vector<Way> ways_to_draw(const SweepScene& scene) {
     ways.push_back({{"translucency", {"hybrid"}},
                     {"layers", {"4", "1", "2", "8"}},
                     {"cache-rate", {"full", "checkerboard", "quarter"}}});
-  if (!scene.by_rays) ways.push_back({{"translucency", {"raster"}}});
+  ways.push_back({{"translucency", {"raster"}}});
   ways.push_back({{"translucency", {"raytraced"}}, {"layers", {"1", "2", "4", "8", "unlimited"}}});
   ways.push_back({{"translucency", {"off"}}});
   return ways;

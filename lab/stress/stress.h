@@ -33,15 +33,22 @@ struct StressStage {
   Renderer& renderer;
   bool quick;              // fewer values, smaller pictures
   uint32_t width, height;  // of every picture
+  bool by_rays;            // without OpenGL
 };
 
 struct StressCase {
   std::string name;
   std::string question;  // what is swept and what is counted, in one line
   std::vector<StressRow> (*run)(StressStage& stage);
+  bool of_fragments = false;  // it counts what fragments take
 };
 
 const std::vector<StressCase>& stress_cases();
+
+// Whether a case can be run: without OpenGL nothing draws fragments.
+bool has_meaning(const StressCase& stress_case, const StressStage& stage);
+// Returns no row of a case that has none.
+std::vector<StressRow> run_case(const StressCase& stress_case, StressStage& stage);
 
 // Pictures have the size that its cases are measured at.
 StressStage stress_stage(Renderer& renderer, bool quick);

@@ -145,7 +145,7 @@ const std::vector<Change>& changes() {
 }
 
 scenes::Image draw(StressStage& stage, World& world, uint32_t frame) {
-  RenderOptions options = sequence_options({stage.renderer, stage.quick, world.width, world.height});
+  RenderOptions options = sequence_options({stage.renderer, stage.quick, world.width, world.height, stage.by_rays});
   set_frame(options, frame, frame > 0 && world.continues);
   sideray_diagnostics diagnostics = sideray_diagnostics_defaults();
   diagnostics.budget_pieces = world.pieces;

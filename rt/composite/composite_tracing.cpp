@@ -43,7 +43,7 @@ Counters CompositeTracing::trace(const LayerRequest& request, TracedScene& scene
   for (Worker& worker : workers_) worker.counters = {};
   Counters counters;
   if (resolves && request.particles && !shading.snapshot->shader.shade) {
-    counters += sprites_.light(shading, scene.intersector(), request.shadows, scene.executor());
+    counters += sprites_.light(shading, scene.intersector(), {.shadows = request.shadows, .tints = true}, scene.executor());
     if (!sprites_.empty()) straight.sprites = &sprites_;
   }
   const TraceEnd end =

@@ -28,7 +28,7 @@ bool is_lit(const model::Snapshot& snapshot, const model::Instance& instance) {
 
 }  // namespace
 
-Counters SpriteLights::light(const ShadingScene& scene, const Intersector& intersector, bool shadows, Executor& executor) {
+Counters SpriteLights::light(const ShadingScene& scene, const Intersector& intersector, Rays rays, Executor& executor) {
   const model::Snapshot& snapshot = *scene.snapshot;
   first_.clear();
   white_.clear();
@@ -57,8 +57,8 @@ Counters SpriteLights::light(const ShadingScene& scene, const Intersector& inter
     std::vector<SurfacePoint> points;
     for (size_t i = first; i < end; ++i) points.push_back(white_sprite(snapshot, lit[i].instance, lit[i].sprite));
     std::vector<glm::vec3> radiance(points.size());
-    HitShader& shader = shaders_[thread];
-    shader.begin(scene, intersector, shadows);
+    FragmentShader& shader = shaders_[thread];
+    shader.begin(scene, intersector, rays.shadows, rays.tints);
     shader.shade(points, radiance.data());
     add_work(shader, {}, counted[thread]);
     for (size_t i = first; i < end; ++i) white_[places[i]] = radiance[i - first];

@@ -8,7 +8,7 @@
 
 #include "rt/base/counters.h"
 #include "rt/base/executor.h"
-#include "rt/shading/hit_shader.h"
+#include "rt/layers/fragment_shader.h"
 
 namespace sideray::rt {
 
@@ -16,8 +16,12 @@ class SpriteLights {
  public:
   explicit SpriteLights(uint32_t threads) : shaders_(threads) {}
 
-  // Of the scene's quads (rt/poses/particle_quads.h). `shadows`: rays say what hides lights. Returns the rays traced.
-  Counters light(const ShadingScene& scene, const Intersector& intersector, bool shadows, Executor& executor);
+  struct Rays {
+    bool shadows;  // they say what hides lights
+    bool tints;    // and what tints them
+  };
+  // Of the scene's quads (rt/poses/particle_quads.h). Returns the rays traced.
+  Counters light(const ShadingScene& scene, const Intersector& intersector, Rays rays, Executor& executor);
   bool empty() const { return first_.empty(); }
   // Returns the light that leaves a point of a sprite.
   glm::vec3 radiance(const shading::SrSurface& sprite, const Hit& hit) const {
@@ -25,7 +29,7 @@ class SpriteLights {
   }
 
  private:
-  std::vector<HitShader> shaders_;
+  std::vector<FragmentShader> shaders_;
   std::vector<uint32_t> first_;   // of each instance, the place of its first sprite in white_; 0 where it has none
   std::vector<glm::vec3> white_;  // what leaves a sprite of albedo 1
 };

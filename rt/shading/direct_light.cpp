@@ -26,7 +26,7 @@ void DirectLight::add(const Intersector* shadows, glm::vec3* radiance, bool cohe
   // (bench_trace --benchmark_filter=shade_shadowed).
   if (shadows && rays_.size() > 0) shadows->occluded(rays_.columns(), coherent, blocked_.data());
   gains_.clear();
-  if (shadows && straight_.is_tinted()) return pass_glass(radiance);
+  if (shadows && tints_) return pass_glass(radiance);
   for (size_t r = 0; r < rays_.size(); ++r)
     if (!blocked_[r]) radiance[rays_.point(r)] += rays_.gain(r);
 }

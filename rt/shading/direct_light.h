@@ -1,6 +1,5 @@
 // Adds up the light of punctual lights at batches of points, with the shadow rays that this takes; what is translucent on
-// their way tints it. Holds scratch
-// memory: one object per thread.
+// their way tints it. Holds scratch memory: one object per thread.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +14,11 @@ namespace sideray::rt {
 
 class DirectLight {
  public:
-  // Sets what the points are lit in. The caller keeps both.
-  void begin(const ShadingScene& scene, const Intersector& intersector) { straight_.begin(scene, intersector); }
+  // Sets what the points are lit in. The caller keeps both. `tints`: what is translucent on the way of light counts.
+  void begin(const ShadingScene& scene, const Intersector& intersector, bool tints = true) {
+    straight_.begin(scene, intersector);
+    tints_ = tints && straight_.is_tinted();
+  }
   // Forgets what was gathered.
   void clear();
   // Appends what a light adds to the batch's points where nothing blocks it.
@@ -36,6 +38,7 @@ class DirectLight {
 
   ShadowRays rays_;
   StraightLight straight_;
+  bool tints_ = false;
   std::vector<Ray> free_;  // rays that nothing opaque stops and that may meet something translucent
   std::vector<uint32_t> of_free_;
   std::vector<glm::vec3> gains_;  // what the rays bring, where the scene has something that tints light

@@ -232,6 +232,21 @@ SurfaceAttributes surface_attributes(const model::Snapshot& snapshot, const Surf
   return a;
 }
 
+float thickness_texel(const ShadingScene& scene, const SurfacePoint& point) {
+  const uint32_t material = scene.snapshot->instances[point.hit.instance].material;
+  const auto reads_thickness = [](const TextureRead& read) {
+    return model::material_slots[read.slot].slot == &sideray_material_desc::thickness_texture;
+  };
+  const std::vector<TextureRead>& reads = scene.textures[material];
+  const auto found = std::ranges::find_if(reads, reads_thickness);
+  if (found == reads.end()) return 1.0f;
+  TextureRead alone = *found;
+  alone.same_as = 0;
+  const Patch patch = make_patch(*scene.snapshot, point.hit);
+  const TextureFootprint footprint = texture_footprint(patch.edge1, patch.edge2, -point.to_eye, point.cone.width);
+  return read_textures({&alone, 1}, {patch.mesh, patch.triangle, patch.weights, footprint}, 1.0f).texels.thickness;
+}
+
 glm::vec3 geometric_normal(const model::Snapshot& snapshot, const Hit& hit) {
   return make_patch(snapshot, hit).front;
 }

@@ -50,6 +50,9 @@ SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray&
 // absorption of its thickness. Not for anisotropic ones.
 shading::SrSurface plain_surface(const ShadingScene& scene, uint32_t material, float cosine, bool thick);
 
+// Returns what the material's texture says of its thickness at a point, a factor of it: 1 where there is none.
+float thickness_texel(const ShadingScene& scene, const SurfacePoint& point);
+
 // Returns the unit normal on the side of the front face.
 glm::vec3 geometric_normal(const model::Snapshot& snapshot, const Hit& hit);
 

@@ -1,13 +1,15 @@
 #!/usr/bin/python3
 """Writes docs/robustness.md, the robustness atlas, from what `sideray stress` counts on every device that is there.
 
-  script/tables/robustness.py [--program build/sideray] [--results DIR] [--full] [--cases A,B] [--page docs/robustness.md]
+  script/tables/robustness.py [--program build/sideray] [--results DIR] [--full] [--cases A,B] [--without-gl] [--page docs/robustness.md]
 
 Runs `sideray stress` for each column that DIR has no results of: Mesa's llvmpipe with each instruction set of Embree that
 this processor has. --full takes every value and 96x54 pixels instead of the few of --quick: 15 minutes of one core or more instead of 3. --cases measures some alone.
 
 Columns of other machines: `sideray stress --quick --shard 0/1 -o NVIDIA-H200` there, then that folder (its rows/ is enough) into DIR. Each
 folder that is none of this machine's columns is shown beside them, under its name with spaces for dashes, and is not run.
+
+--without-gl measures what rays alone do and writes that section alone; the rest of the page stays.
 """
 import argparse
 import json
@@ -50,6 +52,10 @@ SYMPTOMS = [
     ("A mesh with broken triangles lets rays through", "degenerate or non-finite triangles", "nothing: they are dropped, and the rest stays",
      ["broken-triangles"]),
 ]
+
+
+ALONE = "rays-alone"
+ALONE_HEAD = "## Without OpenGL"
 
 
 def isas():
@@ -238,6 +244,39 @@ def page(groups, defaults, ended, command, size, devices):
     return "\n".join(lines).rstrip() + "\n"
 
 
+def alone_lines(program, results, full):
+    """A row for each case: whether the defaults hold without OpenGL, and what fails."""
+    environment = {"SIDERAY_GL": "none"}
+    rows, ended = measure(program, results / ALONE, environment, full, [])
+    listed = subprocess.run([program, "stress", "--list"], capture_output=True, text=True, check=True).stdout
+    yield ALONE_HEAD
+    yield ""
+    yield "The same cases with `--gl none`, whose values are the same bits for each instruction set. Of the tests in wind-gap and contact the"
+    yield "default stands for all: nothing is inexact where rays find what is seen."
+    yield ""
+    yield "| case | defaults | other methods that fail |"
+    yield "|---|---|---|"
+    for case in (line.split()[0] for line in listed.splitlines()):
+        of_case = [row for row in rows if row["name"] == case]
+        if not of_case:
+            yield f"| {case} | {ended.get(case, 'no meaning: no fragment looks for layers')} | |"
+            continue
+        defaults = [row for row in of_case if row.get("default")]
+        others = [f"`{variant.replace('--diagnose ', '')}` ({measured}): {verdict(of)}"
+                  for (_, measured, variant), of in grouped(of_case).items() if "fail" in verdict(of) and not of[0].get("default")]
+        held = verdict(defaults) if defaults else "none of its methods is one"
+        yield f"| {case} | {held} | {'<br>'.join(others)} |"
+    yield ""
+
+
+def with_section(text, lines):
+    """The page with these lines in the place of the section, or before the counts."""
+    section = "\n".join(lines) + "\n"
+    begin = text.find(ALONE_HEAD)
+    end = text.index("## Counts")
+    return (text[:begin] if begin >= 0 else text[:end]) + section + text[end:]
+
+
 SOFTPIPE = """**Do not use softpipe** (`GALLIUM_DRIVER=softpipe`). It has no `gl_PrimitiveID` without a geometry shader, so every opaque pixel
 reads as empty, without an OpenGL error. `sideray` warns of it, and `sideray devices` says which driver is used.""".split("\n")
 
@@ -249,7 +288,11 @@ def main():
     parser.add_argument("--page", default=str(ROOT / "docs" / "robustness.md"))
     parser.add_argument("--full", action="store_true")
     parser.add_argument("--cases", default="")
+    parser.add_argument("--without-gl", action="store_true")
     given = parser.parse_args()
+    path, alone = pathlib.Path(given.page), list(alone_lines(given.program, pathlib.Path(given.results), given.full))
+    if given.without_gl:
+        return path.write_text(with_section(path.read_text(), alone))
     results, cases = pathlib.Path(given.results), [case for case in given.cases.split(",") if case]
     names, tables, defaults, ended, devices = [], [], set(), [], {}
     for name, environment in columns():
@@ -258,13 +301,13 @@ def main():
         defaults |= defaults_of(rows)
         ended += [f"{name}, {case}: {message}" for case, message in failed.items()]
     # A driver of another machine comes first: it is what most readers have.
-    for name, folder in reversed(brought(results, {folder_of(name) for name, _ in columns()}).items()):
+    for name, folder in reversed(brought(results, {ALONE, *(folder_of(name) for name, _ in columns())}).items()):
         rows, devices[name] = restore(folder, given.full, cases)
         names.insert(0, name), tables.insert(0, grouped(rows))
         defaults |= defaults_of(rows)
     command = "script/tables/robustness.py" + (" --full" if given.full else "")
     size = "pictures of 96x54 pixels" if given.full else "`--quick`: few values, pictures of 48x27 pixels"
-    pathlib.Path(given.page).write_text(page(merged(names, tables), defaults, ended, command, size, devices))
+    return path.write_text(with_section(page(merged(names, tables), defaults, ended, command, size, devices), alone))
 
 
 if __name__ == "__main__":

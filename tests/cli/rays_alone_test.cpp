@@ -53,10 +53,21 @@ TEST_F(RaysAlone, DrawWhereNoContextCanBeHad) {
 }
 
 TEST_F(RaysAlone, RefuseInOneLine) {
-  expect_refused("render panes --size 16x16 --gl none -o a.png --translucency raster", not_drawn, "translucency raster");
-  expect_refused("render panes --size 16x16 --gl none -o a.exr --aov layers", not_drawn, "layers to show");
+  expect_refused("render panes --size 16x16 --gl none -o a.png --diagnose check --stats s.json", not_drawn, "checked against fragments");
   expect_refused("render panes --size 16x16 --gl none --device egl:surfaceless -o a.png", wrong_usage, "no device is used");
   expect_refused("render panes --size 16x16 --gl no -o a.png", wrong_usage, "--gl");
+}
+
+// The raster look, with its layers and without; what is shown beside it.
+TEST_F(RaysAlone, DrawTheRasterLook) {
+  draw("panes --size 64x36 --gl none -o raster.png --translucency raster");
+  draw("panes --size 64x36 --gl none -o none.png --layers 0");
+  draw("panes --size 64x36 --gl none -o layers.exr --layers 3 --aov layers");
+  EXPECT_EQ(picture("raster.png"), picture("none.png"));
+  const scenes::Image layers = scenes::read_image(path("layers.exr"));
+  ASSERT_NE(layers.find("layer2.surface"), nullptr);
+  EXPECT_EQ(layers.find("layer3.surface"), nullptr);
+  expect_refused("render panes --size 16x16 --gl none -o a.exr --layers 0 --aov layers", wrong_usage, "this frame has no layers");
 }
 
 // A bound chooses among what rays draw; `all` is all that there is.
@@ -64,7 +75,6 @@ TEST_F(RaysAlone, KeepBoundsAndShowAllChannels) {
   draw("panes --size 64x36 --gl none -o all.exr --aov all");
   const Outcome bounded = run("render solids --size 64x36 --gl none -o a.png --max-error 0.9 --stats s.json", "SIDERAY_CACHE=off");
   ASSERT_EQ(bounded.exit_code, 0) << bounded.errors;
-  EXPECT_NE(nlohmann::json::parse(text_of(path("s.json")))["config"]["translucency"], "raster");
 }
 
 // Depth, motion and averages over frames whose camera moves.

@@ -10,13 +10,17 @@ namespace {
 
 using nlohmann::json;
 
-class Stress : public Program {
+class StressByRays : public Program {
+ protected:
+  json results(const std::string& folder) const { return json::parse(text_of(path(folder + "/results.json"))); }
+};
+
+class Stress : public StressByRays {
  protected:
   void SetUp() override {
     Program::SetUp();
     if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   }
-  json results(const std::string& folder) const { return json::parse(text_of(path(folder + "/results.json"))); }
 };
 
 struct Failed {
@@ -26,6 +30,19 @@ struct Failed {
 bool matches(const json& row, const Failed& failed) {
   return row["name"] == failed.name && row["variant"] == failed.variant &&
          row["measure"].get<std::string>().find(failed.measure) != std::string::npos;
+}
+
+// All cases but two: a budget takes seconds, and fragments are not there.
+TEST_F(StressByRays, KeepsTheBoundsOfDefaults) {
+  const Outcome outcome = run("stress layer-gap coplanar layer-count instance-scale world-offset match-gap wind-gap contact self-shadow "
+                              "leaves settling depth-format ray-layers broken-triangles late-glass --quick --gl none -o d");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.errors << outcome.output;
+  EXPECT_EQ(outcome.errors, "sideray: warning: stress: without OpenGL no fragment looks for layers: match-gap left out\n");
+  std::set<std::string> names;
+  const json r = results("d");
+  for (const json& row : r["cases"]) names.insert(row["name"]);
+  EXPECT_EQ(names.size(), 14u);
+  EXPECT_FALSE(names.contains("match-gap"));
 }
 
 TEST_F(Stress, QuickSweepsShowWhatIsKnownToFail) {

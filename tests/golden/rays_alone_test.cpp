@@ -53,8 +53,6 @@ TEST(RaysAloneDigests, AreThoseThatWereRecorded) {
   ordered_json found = ordered_json::object();
   for (const json& c : json::parse(text_of(list.parent_path() / "cases.json"))) {
     const std::string options = c.at("options"), name = c.at("name");
-    // Blended fragments are the rasterizer's.
-    if (options.find("--translucency raster") != std::string::npos) continue;
     const unsigned frames = c.value("frames", 0u);
     const std::string command = fmt::format(
         "cd '" SIDERAY_SOURCE_DIR "/tests/golden' && '" SIDERAY_BINARY_DIR "/sideray' render {} --size 96x54 {} --gl none -o '{}'{}", c.at("scene").get<std::string>(),

@@ -115,3 +115,13 @@ def test_statuses_are_classes():
         assert isinstance(error, (sideray.Error, builtin)) and isinstance(error, builtin)
         assert error.status == status and str(error) == "text"
     assert type(_errors.of_status(-7, "text")) is sideray.Error
+
+
+def test_the_raster_look_and_layers_without_opengl():
+    scene, size = sideray.load("solids"), (64, 36)
+    with sideray.Renderer(gl="none") as renderer:
+        raster = renderer.render(scene, size, translucency="raster").rgb.tobytes()
+        hybrid = renderer.render(scene, size, layers=2, aov="layers")
+        assert raster == renderer.render(scene, size, layers=0).rgb.tobytes() != hybrid.rgb.tobytes()
+        assert {"layer0.surface", "layer1.surface"} <= set(hybrid.channels)
+        assert hybrid["layer0.surface"].max() > 0

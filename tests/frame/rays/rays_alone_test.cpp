@@ -1,28 +1,11 @@
 // Frames that rays draw without OpenGL, beside the rasterizer's in exact order.
 #include <cmath>
 
-#include "frame/frame.h"
-#include "lab/metrics/metrics.h"
+#include "frame/rays/by_rays.h"
 #include "scenes/builtin/builtin.h"
 
 namespace sideray::tests {
 namespace {
-
-scenes::Image picture_of(const Frame& f) {
-  scenes::Image image{f.width, f.height, {}, true};
-  for (const char* name : {"R", "G", "B"})
-    image.planes.push_back({name, scenes::Plane::Type::single, f.planes.at(name), {}});
-  return image;
-}
-
-double flip_of(const Frame& test, const Frame& reference) {
-  return lab::compare(picture_of(test), picture_of(reference)).metrics.flip.value();
-}
-
-Setup by_rays(Setup setup) {
-  setup.gl = "none";
-  return setup;
-}
 
 // Everything that the defaults of the program turn on.
 Setup whole() {
@@ -89,10 +72,6 @@ TEST(RaysAlone, FindTheSurfacesOfTheRasterizer) {
   EXPECT_LT(counts, pixels / 100);  // of sheets that are seen along their edges
 }
 
-void expect_same_bits(const Frame& a, const Frame& b, const std::string& what) {
-  for (const auto& [name, plane] : a.planes) EXPECT_EQ(plane, b.planes.at(name)) << what << ", " << name;
-}
-
 TEST(RaysAlone, HaveTheSameBitsForAnyNumberOfThreads) {
   for (const char* scene : {"solids", "smoke"}) {
     const scenes::Content content = scenes::generate(scene, {});
@@ -105,20 +84,48 @@ TEST(RaysAlone, HaveTheSameBitsForAnyNumberOfThreads) {
   }
 }
 
-TEST(RaysAlone, RefuseWhatNeedsOpenGL) {
+// Layers are compared with fragments, and there are none.
+TEST(RaysAlone, CheckNoLayers) {
+  RenderOptions options;
+  options.picture.width = options.picture.height = 16;
+  options.translucency->check = 1;
+  Renderer renderer = renderer_by_rays();
   const scenes::Content content = scenes::generate("panes", {});
-  const auto refused = [&](const tests::Setup& setup, const char* says) {
-    try {
-      render(content, by_rays(setup));
-      ADD_FAILURE() << "drawn: " << says;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.status, SIDERAY_UNSUPPORTED);
-      EXPECT_NE(std::string(error.what()).find(says), std::string::npos) << error.what();
-    }
+  Scene scene = Scene::create().value();
+  scenes::fill(scene, content, std::vector<bool>(content.objects.size(), true));
+  const auto picture = renderer.render(scene, content.cameras.at(0).camera, options);
+  ASSERT_FALSE(picture);
+  EXPECT_EQ(picture.error().status, SIDERAY_UNSUPPORTED);
+  EXPECT_NE(std::string(picture.error().message).find("checked against fragments"), std::string::npos);
+}
+
+// Scenes of one renderer whose opaque surfaces are seen at the same depth, but shadowed otherwise.
+TEST(RaysAlone, KeepNothingOfAnotherScene) {
+  scenes::Content content = scenes::generate("empty", {});
+  RenderOptions options;
+  options.picture.width = 64, options.picture.height = 36;
+  options.shadows->method = SIDERAY_SHADOWS_EXACT;
+  options.picture.denoise = 0;
+  const sideray_camera camera = camera_of(content, {});
+  const auto picture_by = [&](Renderer& renderer, Scene& scene) {
+    const Picture picture = renderer.render(scene, camera, options).value();
+    const auto* red = static_cast<const float*>(picture.channel(0).values);
+    return std::vector<float>(red, red + 64 * 36);
   };
-  refused(tests::Setup{.translucency = SIDERAY_TRANSLUCENCY_RASTER}, "translucency raster");
-  refused(tests::Setup{.layers = 0}, "translucency raster");
-  refused(tests::Setup{.aovs = SIDERAY_AOV_LAYERS}, "layers to show");
+  const auto scene_of = [&](bool shadows) {
+    Scene scene = Scene::create().value();
+    scenes::fill(scene, content, std::vector<bool>(content.objects.size(), true));
+    for (size_t i = 0; i < content.objects.size() && !shadows; ++i)
+      scene.set_visibility(static_cast<sideray_instance>(i + 1), 0);
+    scene.commit();
+    return scene;
+  };
+  Scene dark = scene_of(true), bright = scene_of(false);
+  Renderer both = renderer_by_rays(), fresh = renderer_by_rays();
+  const std::vector<float> first = picture_by(both, dark), second = picture_by(both, bright);
+  EXPECT_NE(first, second);
+  EXPECT_EQ(second, picture_by(fresh, bright));
+  EXPECT_EQ(first, picture_by(both, dark));
 }
 
 }  // namespace
