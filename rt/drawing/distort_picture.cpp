@@ -1,7 +1,7 @@
 #include "rt/drawing/distort_picture.h"
 
 #include "rt/base/view_rays.h"
-#include "rt/drawing/tile_rays.h"
+#include "rt/drawing/view_tile.h"
 #include "rt/layers/distortion.h"
 #include "rt/layers/frame_chunks.h"
 #include "rt/shading/hit_shader.h"

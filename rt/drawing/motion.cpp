@@ -5,7 +5,7 @@
 #include "model/mesh.h"
 #include "model/wind.h"
 #include "rt/base/view_rays.h"
-#include "rt/drawing/tile_rays.h"
+#include "rt/drawing/view_tile.h"
 
 namespace sideray::rt {
 namespace {
@@ -41,7 +41,7 @@ class MotionPass {
     }
   }
 
-  void move(size_t index, TileRays& tile) const {
+  void move(size_t index, ViewTile& tile) const {
     tile.aim(rays_, pixels_.width, pixels_.height, index);
     for (size_t i = 0; i < tile.pixels.size(); ++i) {
       const glm::uvec2 p = tile.pixels[i];
@@ -104,8 +104,8 @@ std::vector<glm::vec2> trace_motion(const MotionRequest& request, const OpaquePi
   std::vector<glm::vec2> motion(pixels.hits.size(), glm::vec2(0.0f));
   if (!request.before) return motion;
   const MotionPass pass(request, pixels, scene, motion);
-  std::vector<TileRays> tiles(scene.executor().threads());
-  scene.executor().run(TileRays::tiles_in(pixels.width, pixels.height),
+  std::vector<ViewTile> tiles(scene.executor().threads());
+  scene.executor().run(ViewTile::tiles_in(pixels.width, pixels.height),
                        [&](size_t tile, uint32_t thread) { pass.move(tile, tiles[thread]); });
   return motion;
 }

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "rt/base/view_rays.h"
-#include "rt/drawing/tile_rays.h"
+#include "rt/drawing/view_tile.h"
 #include "rt/shading/direct_light.h"
 #include "rt/surfaces/surface_batch.h"
 #include "rt/textures/environment_lookup.h"
@@ -19,7 +19,7 @@ constexpr uint32_t first_combined_light = 32;
 constexpr size_t enough_rays = 1024;  // for packets of several lights at a time, as in HitShader
 
 struct LightWorker {
-  TileRays tile;
+  ViewTile tile;
   std::vector<HitPlace> places;
   std::vector<uint32_t> texels;  // of `places`
   std::vector<glm::vec3> radiance;
@@ -199,7 +199,7 @@ Counters light_opaque_pixels(const OpaqueLightRequest& request, TracedScene& sce
   picture.resize(size_t{width} * height);
   LightPass pass(request, scene, picture);
   std::vector<LightWorker> workers(scene.executor().threads());
-  scene.executor().run(TileRays::tiles_in(width, height),
+  scene.executor().run(ViewTile::tiles_in(width, height),
                        [&](size_t tile, uint32_t thread) { pass.light(tile, workers[thread]); });
   Counters counters;
   for (const LightWorker& worker : workers) counters += worker.counters;

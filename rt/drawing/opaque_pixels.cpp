@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "rt/base/view_rays.h"
-#include "rt/drawing/tile_rays.h"
+#include "rt/drawing/view_tile.h"
 #include "rt/surfaces/surface_batch.h"
 
 namespace sideray::rt {
@@ -13,7 +13,7 @@ namespace {
 constexpr float least_stored_depth = std::numeric_limits<float>::min(), most_stored_depth = 1.0f - 0x1p-24f;
 
 struct SurfaceWorker {
-  TileRays tile;
+  ViewTile tile;
   std::vector<Hit> hits, layers;
   std::vector<uint32_t> counts;
   std::vector<HitPlace> places;
@@ -33,7 +33,7 @@ float stored_depth(const ViewRays& view, const OpaqueRequest& r, glm::uvec2 pixe
 }
 
 // Lists the tile's pixels that show a surface; `hits` are of all of them.
-void list_places(const TileRays& tile, const Hit* hits, uint32_t width, SurfaceWorker& w) {
+void list_places(const ViewTile& tile, const Hit* hits, uint32_t width, SurfaceWorker& w) {
   w.places.clear();
   w.texels.clear();
   for (size_t i = 0; i < tile.pixels.size(); ++i) {
@@ -64,7 +64,7 @@ class SurfacePass {
         pixels_(pixels) {}
 
   void trace(size_t index, SurfaceWorker& w) {
-    TileRays& tile = w.tile;
+    ViewTile& tile = w.tile;
     tile.aim(view_, request_.width, request_.height, index);
     w.hits.resize(tile.rays.size());
     intersector_.nearest_opaque(tile.rays, true, w.hits.data(), OpaqueSet::all, cone_, true);
@@ -106,7 +106,7 @@ Counters trace_opaque_pixels(const OpaqueRequest& request, TracedScene& scene, O
   pixels.normals.assign(request.normals ? count : 0, glm::vec4(0.0f));
   SurfacePass pass(request, scene, pixels);
   std::vector<SurfaceWorker> workers(scene.executor().threads());
-  scene.executor().run(TileRays::tiles_in(request.width, request.height),
+  scene.executor().run(ViewTile::tiles_in(request.width, request.height),
                        [&](size_t tile, uint32_t thread) { pass.trace(tile, workers[thread]); });
   Counters counters;
   for (const SurfaceWorker& worker : workers) counters += worker.counters;
@@ -130,7 +130,7 @@ OpaqueMaterials materials_of(const OpaqueRequest& request, const OpaquePixels& p
   const ShadingScene& shading = scene.shading();
   const ViewRays view(request.view, request.width, request.height);
   std::vector<SurfaceWorker> workers(scene.executor().threads());
-  scene.executor().run(TileRays::tiles_in(request.width, request.height), [&](size_t index, uint32_t thread) {
+  scene.executor().run(ViewTile::tiles_in(request.width, request.height), [&](size_t index, uint32_t thread) {
     SurfaceWorker& w = workers[thread];
     w.tile.aim(view, request.width, request.height, index);
     w.hits.clear();
@@ -155,7 +155,7 @@ std::vector<uint8_t> count_translucent(const OpaqueRequest& request, const Opaqu
   if (!intersector.has_translucent(set)) return result;
   const ViewRays view(request.view, request.width, request.height);
   std::vector<SurfaceWorker> workers(scene.executor().threads());
-  scene.executor().run(TileRays::tiles_in(request.width, request.height), [&](size_t index, uint32_t thread) {
+  scene.executor().run(ViewTile::tiles_in(request.width, request.height), [&](size_t index, uint32_t thread) {
     SurfaceWorker& w = workers[thread];
     w.tile.aim(view, request.width, request.height, index);
     w.counts.resize(w.tile.rays.size());

@@ -11,7 +11,7 @@
 
 namespace sideray::rt {
 
-struct TileRays {
+struct ViewTile {
   static constexpr uint32_t size = 32;  // pixels along each side of a tile
   static uint32_t tiles_in(uint32_t pixels) { return (pixels + size - 1) / size; }
   static size_t tiles_in(uint32_t width, uint32_t height) { return size_t{tiles_in(width)} * tiles_in(height); }

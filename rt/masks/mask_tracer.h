@@ -1,0 +1,172 @@
+// Traces a frame's masks tile by tile: which of the rays from its points to lights, and into the sky, something stops. Threads
+// trace different tiles, each with a worker of its own.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "rt/base/counters.h"
+#include "rt/base/executor.h"
+#include "rt/base/view_rays.h"
+#include "rt/masks/coarse_sky.h"
+#include "rt/masks/combined_lights.h"
+#include "rt/masks/depth_points.h"
+#include "rt/masks/kept_masks.h"
+#include "rt/masks/mask_rays.h"
+#include "rt/masks/mask_request.h"
+#include "rt/masks/older_masks.h"
+#include "rt/scene/traced_scene.h"
+#include "rt/shading/tint_tile.h"
+#include "rt/shading/veils.h"
+
+namespace sideray::rt {
+
+class MaskTracer {
+ public:
+  static constexpr uint32_t tile_size = DepthPoints::tile_size;
+  static constexpr uint32_t filter_tile = OcclusionMasks::filter_tile;
+  static constexpr uint32_t filter_across = tile_size / filter_tile;  // of a tile, and as many down
+
+  // Memory of one thread.
+  struct Worker {
+    DepthPoints points;
+    TileRays rays;
+    CombinedLights::Block drawn;
+    std::vector<DepthPoint> block;        // points of a block
+    std::vector<uint32_t> block_indices;  // and which they are
+    std::vector<Ray> chosen;
+    std::vector<uint32_t> of_chosen;  // index of its pixel
+    std::array<uint8_t, tile_size * tile_size> occluded;
+    std::vector<Hit> hits;
+    Veils veils;
+    TileTints tints;
+    std::vector<Ray> clear;  // those that nothing opaque stops
+    std::vector<uint32_t> of_clear;
+    std::vector<float> of_clear_weights;
+    // Sums over a pixel's rays to the sky: of their weights, and of those that go through.
+    std::array<float, tile_size * tile_size> sum, open, unhidden;
+    Counters counters;
+  };
+
+  // The caller keeps what the masks are made of, and the masks, which are as large as the request asks.
+  MaskTracer(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks);
+
+  bool traces_lights() const;
+  // What nothing opaque hides is kept where the sky's mask is.
+  bool traces_sky() const { return request_.ao_rays > 0 && !is_kept(masks_.layers); }
+
+  // Makes a tile lit, and its distances infinite.
+  void open_tile(size_t tile) const;
+
+  void open_sky(size_t tile) const;
+
+  void trace_shadows(size_t tile, Worker& w) const;
+
+  // Puts what the threads found of tints into the masks. `fresh`, of each tile: 1 where it is of this frame, or is lit
+  // because it was given up.
+  void store_tints(std::span<Worker> workers, std::span<const uint8_t> fresh, Executor& executor) const;
+
+  // Measures what trace_shadows() left out: of tiles that are all dark, at whose borders others are lit.
+  void trace_borders(size_t tile, Worker& w) const;
+
+  // Measures the distance of every dark pixel where the light is seen in part.
+  void trace_distances(size_t tile, Worker& w) const;
+
+  void trace_open(size_t tile, Worker& w) const;
+
+  // Samples the sky of a tile for pixels that have no rays of their own yet.
+  void sample_sky(size_t tile, Worker& w, CoarseSky& sky) const;
+
+  size_t tiles() const { return size_t{columns()} * tile_count(request_.height); }
+  // Which tile is traced in which turn; empty = as they are numbered.
+  std::vector<uint32_t> turns(OlderMasks::Part part) const;
+
+ private:
+  struct Layer {
+    RayLight rays;  // not of the combined lights
+    bool filtered;
+    bool kept;  // stays as it is
+  };
+
+  // Sums up what n rays of each point find.
+  void look_at_sky(const PointTile& points, uint32_t n, bool measures_first, Worker& w) const;
+
+  static uint8_t share(float open, float sum) { return static_cast<uint8_t>(std::clamp(open * (255.0f / sum) + 0.5f, 0.0f, 255.0f)); }
+
+  bool is_kept(size_t layer) const { return request_.kept && request_.kept->keeps(static_cast<uint32_t>(layer)); }
+  bool is_combined(uint32_t layer) const { return request_.combined_lights && layer + 1 == layers_.size(); }
+  static uint32_t tile_count(uint32_t pixels) { return (pixels + tile_size - 1) / tile_size; }
+  uint32_t columns() const { return tile_count(request_.width); }
+  uint32_t tile_x(size_t tile) const { return static_cast<uint32_t>(tile % columns()) * tile_size; }
+  uint32_t tile_y(size_t tile) const { return static_cast<uint32_t>(tile / columns()) * tile_size; }
+  size_t texel(uint32_t layer, uint32_t x, uint32_t y) const;
+  size_t texel(uint32_t layer, const PointTile& points, uint32_t pixel) const;
+
+  template <typename T>
+  void fill(std::vector<T>& plane, uint32_t layer, uint32_t x0, uint32_t y0, uint32_t side, T value) const;
+  template <typename T>
+  void fill_tile(std::vector<T>& plane, uint32_t layer, size_t tile, T value) const;
+
+  // Calls work(column, row) for each of the filters' tiles within a tile.
+  template <typename Work>
+  void for_each_filter_tile(size_t tile, const Work& work) const;
+  size_t filter_index(uint32_t layer, uint32_t u, uint32_t v) const { return masks_.filter_index(layer, u, v); }
+  bool in_penumbra(uint32_t layer, uint32_t u, uint32_t v) const { return masks_.in_penumbra(layer, u, v); }
+
+  bool has_penumbra(uint32_t layer, size_t tile) const;
+  bool is_dark(uint32_t layer, size_t tile) const;
+
+  // Makes the distances of one of the filters' tiles infinite again, where an earlier frame set some.
+  void forget_distances(uint32_t layer, uint32_t u, uint32_t v) const;
+
+  // Writes what is occluded, and what the filters' tiles see; returns whether there is some, and not all, in shadow.
+  bool darken(const PointTile& points, uint32_t layer, size_t tile, Worker& w) const;
+
+  // Finds what translucent surfaces leave of the rays that nothing opaque stops.
+  void pass_glass(uint32_t layer, size_t tile, Worker& w) const;
+
+  RayRandom random_of(uint32_t layer) const;
+
+  void make_rays(const PointTile& points, uint32_t layer, Worker& w) const;
+
+  // Finds the points that draw lights from the same bounds.
+  void gather_block(const PointTile& points, uint32_t block, Worker& w) const;
+
+  // Makes one ray a point, to the light that it draws.
+  void make_block_rays(const RayRandom& random, const TileSamples& samples, Worker& w) const;
+
+  // Measures how far the rays go that wanted(ray, pixel) names.
+  template <typename Wanted>
+  void measure(const PointTile& points, uint32_t layer, std::vector<float>& distances, Worker& w,
+               const Wanted& wanted) const;
+
+  // Takes away what translucent surfaces keep of the rays that nothing opaque stops.
+  void see_through_veils(const PointTile& points, bool measures, Worker& w) const;
+
+  void make_open_rays(const RayLight& to, const RayRandom& random, const TileSamples& samples, const PointTile& points,
+                      Worker& w) const;
+
+  void store_open(const PointTile& points, const Worker& w) const;
+
+  // A pixel's neighbours tell the filter the rest.
+  void measure_open(const PointTile& points, Worker& w) const;
+
+  template <typename Wanted>
+  static void choose(Worker& w, const Wanted& wanted);
+
+  const MaskRequest& request_;
+  const ShadingScene& shading_;
+  const model::Snapshot& snapshot_;
+  const Intersector& intersector_;
+  ViewRays view_;
+  bool tinted_, veiled_;
+  const SkyDirections* sky_;  // where rays go there; null: by the cosine
+  uint32_t lights_;           // masks of them; the one of what is not hidden is behind
+  std::vector<Layer> layers_;
+  CombinedLights combined_;
+  OcclusionMasks& masks_;
+};
+
+}  // namespace sideray::rt
