@@ -7,7 +7,8 @@ import sys
 
 folder = sys.argv[1]
 TRUTH = "reference"
-TITLES = {"raster": "raster", "hybrid": "hybrid", "raytraced": "ray traced, 2 events", TRUTH: "reference"}
+TITLES = {"raster": "raster", "hybrid": "hybrid", "raytraced": "ray traced, 2 events",
+          "alone": "rays alone, without OpenGL", TRUTH: "reference"}
 STAGES = ["gbuffer", "shadow_map", "mask", "readback", "trace", "upload", "light", "composite", "total_frame"]
 
 
@@ -21,7 +22,7 @@ def rows():
     for name, title in TITLES.items():
         stats = read(name + ".json")
         flip = "(itself)" if name == TRUTH else "%.4f" % read(name + "-error.json")["flip"]
-        yield [title, *("%.1f" % stats["stages_ms"][stage] for stage in STAGES),
+        yield [title, *("%.1f" % (stats["stages_ms"].get(stage) or 0.0) for stage in STAGES),
                "{:,}".format(stats["rays"]["total"]), flip]
 
 
@@ -61,7 +62,7 @@ def page(table):
                      for name in TITLES if name != TRUTH)
     return """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>Sideray demo</title><style>%s</style></head><body>
-<h1>Sideray: one scene three ways, and the reference</h1>
+<h1>Sideray: one scene three ways, by rays alone, and the reference</h1>
 <p>Scene <code>bistro</code>, %s. Milliseconds, medians; FLIP is the mean against the reference.
 %s, Embree %s, %s threads.</p>
 %s
