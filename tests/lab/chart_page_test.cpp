@@ -35,14 +35,23 @@ TEST(ChartPage, DataCannotEndItsScript) {
   EXPECT_NE(page.find("Chart.js v"), std::string::npos) << "the library is not in the page";
 }
 
-// tests/lab/chart_page.js runs the page's scripts on rows of its own.
-TEST(ChartPage, ChoosesScalesRowsAndTitle) {
+// Runs the page's scripts by a script of tests/lab.
+void expect_script_passes(const char* script, const std::string& page) {
   const bool is_promised = std::getenv("SIDERAY_REQUIRE_CONTEXTS") != nullptr;  // script/test installs what tests need
   if (std::system("node --version >/dev/null 2>&1") != 0 && !is_promised) GTEST_SKIP() << "no node";
-  const std::string page = testing::TempDir() + "sideray-chart-page-" + std::to_string(getpid()) + ".html";
-  std::ofstream(page) << chart_page({{"points", nlohmann::ordered_json::array()}});
-  EXPECT_EQ(std::system(("node '" SIDERAY_SOURCE_DIR "/tests/lab/chart_page.js' '" + page + "'").c_str()), 0);
-  std::filesystem::remove(page);
+  const std::string path = testing::TempDir() + "sideray-page-" + std::to_string(getpid()) + ".html";
+  std::ofstream(path) << page;
+  EXPECT_EQ(std::system(("node '" SIDERAY_SOURCE_DIR "/tests/lab/" + std::string(script) + "' '" + path + "'").c_str()), 0);
+  std::filesystem::remove(path);
+}
+
+// On rows of its own.
+TEST(ChartPage, ChoosesScalesRowsAndTitle) {
+  expect_script_passes("chart_page.js", chart_page({{"points", nlohmann::ordered_json::array()}}));
+}
+
+TEST(GoldenPage, ShowsWhatDiffersFirst) {
+  expect_script_passes("golden_page.js", golden_page({{"pictures", nlohmann::ordered_json::array()}}));
 }
 
 TEST(PagePictures, SmallOnesAreExact) {
