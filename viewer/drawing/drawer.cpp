@@ -13,8 +13,6 @@ namespace {
 constexpr double ns_per_ms = 1e6;
 constexpr double frame_ms = 90;          // of what moves without a GPU: ten pictures a second
 constexpr double slow_ms = 60;           // whole pictures that take longer have previews
-constexpr double long_wait_ms = 1500;    // before a whole picture that takes longer there is a sharper preview
-constexpr double sharp_ms = 500;         // that takes this long
 constexpr float hardware_budget_ms = 16;
 constexpr uint32_t first_step = 8;       // of the first preview, when nothing is known
 
@@ -74,7 +72,8 @@ bool Drawer::is_slow(Way way) const {
   return speed.ns_per_pixel == 0 || speed.ns_per_pixel * pixels_of(view_) > slow_ms * ns_per_ms;
 }
 
-// Of the sides that are not done the one with the fewest positions, since both are looked at beside each other.
+// Of the sides that are not done the one that has had the least time: both are looked at beside each other, and a reference
+// does not hold up what it is compared with.
 std::optional<size_t> Drawer::next_side() {
   if (!view_.scene || view_.width == 0 || view_.height == 0) return {};
   std::optional<size_t> next;
@@ -83,7 +82,7 @@ std::optional<size_t> Drawer::next_side() {
     if (side.is_done || (view_.is_moving && is_slow(view_.ways[i]))) continue;
     // A picture comes when it is known how long it takes.
     if (is_slow(view_.ways[i]) && !side.has_preview && !side.has_picture) continue;
-    if (!next || side.positions < sides_[*next].positions) next = i;
+    if (!next || side.spent_ms < sides_[*next].spent_ms) next = i;
   }
   return next;
 }
@@ -122,7 +121,7 @@ void Drawer::publish(size_t side_index, std::shared_ptr<const Frame> frame) {
     Side& side = side_of(side_index);
     if (frame->is_preview && side.has_picture) return;
     (frame->is_preview ? side.has_preview : side.has_picture) = true;
-    side.positions = frame->is_preview ? 0 : frame->positions;
+    side.spent_ms += frame->is_preview ? 0 : frame->ms;
     side.is_done = frame->is_done;
   } else if (shown_.frames[side_index] && shown_.frames[side_index]->number > frame->number) {
     return;

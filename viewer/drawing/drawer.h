@@ -40,7 +40,7 @@ class Drawer {
     bool has_picture = false;      // a whole one
     bool has_preview = false;
     bool is_done = false;
-    uint64_t positions = 0;
+    double spent_ms = 0;           // in whole pictures
   };
 
   void draw_pictures();

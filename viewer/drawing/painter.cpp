@@ -50,7 +50,10 @@ Options options_for(const View& view, Way way, const Effort& effort) {
     trial.set(name, value);
     if (sideray_options_check(trial.get(), nullptr) == SIDERAY_OK) options = std::move(trial);
   };
-  if (effort.is_draft) prefer("quality", "draft");
+  if (effort.is_draft) {
+    prefer("quality", "draft");
+    prefer("refraction", "on");  // glass that bends light looks like another thing without
+  }
   if (effort.budget_ms > 0) prefer("budget", std::to_string(effort.budget_ms));
   // A view that stands still is drawn whole, in as many frames as it has positions.
   if (!view.is_moving && !effort.is_preview) options.set("budget", "");

@@ -15,7 +15,7 @@ namespace sideray::viewer {
 struct Effort {
   uint32_t width = 0, height = 0;
   bool is_preview = false;
-  bool is_draft = false;   // what is not set is chosen to be fast
+  bool is_draft = false;   // what is not set is chosen to be fast, but for refraction
   float budget_ms = 0;     // 0: the view's own
 };
 

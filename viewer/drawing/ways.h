@@ -13,8 +13,8 @@ constexpr size_t way_count = way_names.size();
 inline const char* name_of(Way way) { return way_names[static_cast<size_t>(way)]; }
 
 // Of each position of a reference that the window refines: few, so that the first one is soon there.
-constexpr uint32_t reference_light_samples = 16;
-// Positions after which a reference is left as it is: as many samples as `--reference --samples 64` has.
+constexpr uint32_t reference_light_samples = 4;
+// Positions after which a reference is left as it is: 1024 samples of each pixel.
 constexpr uint32_t reference_positions = 256;
 // Positions after which a view that stands still is `--samples 64` of the program.
 constexpr uint32_t still_positions = 64;

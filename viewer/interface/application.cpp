@@ -22,6 +22,7 @@ constexpr double rest_s = 0.15;    // after which a camera that was moved stands
 constexpr double watch_s = 1.0;    // between looks at the files
 constexpr double blink_s = 0.5;
 constexpr double tick_s = 1.0 / 60;
+constexpr float least_picture_width = 64;  // narrower windows have no panel
 
 scenes::Tonemap tonemap_of(const std::string& name) {
   constexpr std::array<const char*, 5> names{"none", "reinhard", "aces", "aces-filmic", "pbr-neutral"};
@@ -120,6 +121,7 @@ void Application::take_scene() {
 
 void Application::press(int key, bool with_control) {
   if (with_control) {
+    if (key == GLFW_KEY_Q) window_.close();
     if (key == GLFW_KEY_S) grant(Wish::save_picture, drawer_->shown());
     if (key == GLFW_KEY_C) grant(Wish::copy_command, drawer_->shown());
     if (key == GLFW_KEY_R) grant(Wish::reload, drawer_->shown());
@@ -215,7 +217,8 @@ void Application::draw(const Drawer::Shown& shown) {
   Wish wish = Wish::nothing;
   window_.draw([&] {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
-    const bool has_panel = state_.has_panel && size.x > 1.5f * panel_width;
+    const bool has_panel = state_.has_panel && size.x > panel_width + least_picture_width;
+    state_.is_panel_seen = has_panel;
     width_ = size.x - (has_panel ? panel_width : 0), height_ = size.y;
     pictures_.draw(state_, shown, {width_, height_}, window_.pixels_per_unit());
     if (has_panel) wish = panel_.draw(state_, shown, loader_.is_loading(), chart_.is_running(), width_, height_);

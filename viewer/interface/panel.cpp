@@ -105,7 +105,8 @@ void Panel::draw_display(State& state) {
 void Panel::draw_times(const State& state, const Drawer::Shown& shown) {
   if (const auto& frame = shown.frames[0]) {
     const sideray_render_stats& s = frame->stats;
-    ImGui::Text("last picture: %ux%u, %.1f ms", frame->width, frame->height, frame->ms);
+    ImGui::Text("picture %llu: %ux%u, %.1f ms", static_cast<unsigned long long>(graph_.count()), frame->width, frame->height,
+                frame->ms);
     const std::string budget = state.view.options["budget"];
     ImGui::TextColored(pale, "budget of rays: %s", budget.empty() ? "none set" : (budget + " ms while moving").c_str());
     if (s.pixels_late + s.mask_pixels_late + s.pixels_older + s.mask_pixels_older > 0) {
@@ -175,7 +176,7 @@ Wish Panel::draw(State& state, const Drawer::Shown& shown, bool is_loading, bool
     ImGui::SameLine();
     if (ImGui::Button("reload")) wish = Wish::reload;
     ImGui::TextColored(pale, "left drag: around   right drag: look   middle: shift\nwheel: nearer   W A S D Q E: fly   F: all\n"
-                             "C: compare   B: blink   M: map   Tab: panel   Ctrl+S: save");
+                             "C: compare   B: blink   M: map   Tab: panel   Ctrl+S: save   Ctrl+Q: quit");
   }
   ImGui::End();
   return wish;

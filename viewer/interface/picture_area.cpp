@@ -59,7 +59,7 @@ void PictureArea::draw_side(const State& state, const Drawer::Shown& shown, size
     return draw_label({left + margin, margin}, shown.errors[side], red, std::max(right - left - 2 * margin, 60.0f));
   const Frame* frame = shown.frames[side].get();
   if (!frame || sides_[side].texture.is_empty()) {
-    if (state.view.scene) draw_label({left + margin, margin}, "drawing ...", white, 0);
+    draw_label({left + margin, margin}, state.view.scene ? "drawing ..." : state.is_error ? "no scene" : "loading ...", white, 0);
     return;
   }
   list.AddImage(sides_[side].texture.id(), {left, 0}, {right, size.y}, {begin, 0}, {end, 1});
@@ -135,6 +135,8 @@ void PictureArea::draw(State& state, const Drawer::Shown& shown, ImVec2 size, fl
   } else {
     draw_side(state, shown, is_b ? 1 : 0, 0, 1, size);
   }
+  if (!state.is_panel_seen && !state.message.empty() && size.y > 60)
+    draw_label({margin, size.y - 44}, state.message, state.is_error ? red : white, std::max(size.x - 2 * margin, 60.0f));
   control(state, shown, size, pixels_per_unit);
 }
 

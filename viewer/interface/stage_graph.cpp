@@ -23,6 +23,7 @@ double ms_of(const Frame& frame, sideray_stage stage) {
 void StageGraph::add(const std::shared_ptr<const Frame>& frame) {
   if (!frame || frame == last_) return;
   last_ = frame;
+  ++count_;
   Bar bar;
   bar.total = std::max(frame->ms, ms_of(*frame, SIDERAY_STAGE_TOTAL_FRAME));
   const double trace = ms_of(*frame, SIDERAY_STAGE_TRACE), light = ms_of(*frame, SIDERAY_STAGE_TRACE_SHADOW);

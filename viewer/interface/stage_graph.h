@@ -12,6 +12,7 @@ class StageGraph {
  public:
   void add(const std::shared_ptr<const Frame>& frame);
   void draw() const;
+  uint64_t count() const { return count_; }
 
  private:
   struct Bar {
@@ -20,6 +21,7 @@ class StageGraph {
   };
   std::deque<Bar> bars_;
   std::shared_ptr<const Frame> last_;
+  uint64_t count_ = 0;
 };
 
 }  // namespace sideray::viewer

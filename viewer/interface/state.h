@@ -18,6 +18,7 @@ struct State {
   float slider = 0.5f;
   bool blinks = false, shows_b = false;  // while it blinks: which side it is at
   bool has_panel = true, inspects = false, plays = false;
+  bool is_panel_seen = true;
   double moved_at = -1;  // the time at which the camera was moved
   std::string message;   // what happened last
   bool is_error = false;

@@ -114,6 +114,10 @@ bool Window::is_closing() const {
   return glfwWindowShouldClose(window_) != 0;
 }
 
+void Window::close() {
+  glfwSetWindowShouldClose(window_, GLFW_TRUE);
+}
+
 void Window::hide() {
   glfwHideWindow(window_);
   glfwPollEvents();

@@ -26,6 +26,7 @@ class Window {
   Window& operator=(const Window&) = delete;
 
   bool is_closing() const;
+  void close();
   void hide();
   // Until there is an event or so many seconds are over ; whether there was one. 0: looks, and does
   // not wait.
