@@ -10,7 +10,7 @@ using Usage = Program;
 constexpr int failed = 1, usage = 2;
 
 TEST_F(Usage, EveryCommandHasHelp) {
-  for (const char* command : {"", "render", "bench", "compare", "info", "make", "devices", "chart", "stress", "plan",
+  for (const char* command : {"", "render", "bench", "compare", "info", "make", "devices", "chart", "stress", "plan", "view",
                               "golden", "golden record", "golden check", "golden approve"}) {
     const Outcome outcome = run(std::string(command) + " --help");
     EXPECT_EQ(outcome.exit_code, 0) << command;

@@ -40,10 +40,7 @@ uint32_t outputs_of(const Mode& mode) {
 Options options_for(const View& view, Way way, const Effort& effort) {
   Options options = options_of(way, view.options);
   options.set("size", std::to_string(effort.width) + "x" + std::to_string(effort.height));
-  if (way == Way::reference) {
-    if (effort.is_preview) options.set("light-samples", "2");
-    return options;
-  }
+  if (way == Way::reference) return options;
   const auto prefer = [&](const char* name, const std::string& value) {
     if (options.is_set(name)) return;
     Options trial = options;

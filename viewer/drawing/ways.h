@@ -13,9 +13,9 @@ constexpr size_t way_count = way_names.size();
 inline const char* name_of(Way way) { return way_names[static_cast<size_t>(way)]; }
 
 // Of each position of a reference that the window refines: few, so that the first one is soon there.
-constexpr uint32_t reference_light_samples = 4;
-// Positions after which a reference is left as it is: 1024 samples of each pixel.
-constexpr uint32_t reference_positions = 256;
+constexpr uint32_t reference_light_samples = 1;
+// Positions after which a reference is left as it is: so many samples has each pixel then.
+constexpr uint32_t reference_positions = 1024;
 // Positions after which a view that stands still is `--samples 64` of the program.
 constexpr uint32_t still_positions = 64;
 inline uint32_t positions_of(Way way) { return way == Way::reference ? reference_positions : still_positions; }

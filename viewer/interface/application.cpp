@@ -153,7 +153,10 @@ void Application::fly(double seconds) {
     return static_cast<double>(window_.is_down(forward)) - static_cast<double>(window_.is_down(back));
   };
   const glm::dvec3 direction(along(GLFW_KEY_D, GLFW_KEY_A), along(GLFW_KEY_E, GLFW_KEY_Q), along(GLFW_KEY_W, GLFW_KEY_S));
-  const double speed = 0.3 * state_.view.scene->radius() * (window_.is_down(GLFW_KEY_LEFT_SHIFT) ? 4.0 : 1.0);
+  // A second for the way to what is in the middle, which is neither everything nor a speck of it.
+  const double radius = state_.view.scene->radius();
+  const double depth = depth_at(drawer_->shown().frames[0].get(), 0.5, 0.5, radius);
+  const double speed = std::clamp(0.7 * depth, 0.002 * radius, 0.2 * radius) * (window_.is_down(GLFW_KEY_LEFT_SHIFT) ? 4.0 : 1.0);
   state_.navigation.move(direction * speed * std::min(seconds, 0.1));
   state_.moved_at = glfwGetTime();
 }

@@ -142,7 +142,7 @@ void Panel::draw_inspection(State& state, const Drawer::Shown& shown) {
 
 Wish Panel::draw(State& state, const Drawer::Shown& shown, bool is_loading, bool is_charting, float left, float height) {
   Wish wish = Wish::nothing;
-  for (const auto& frame : shown.frames) graph_.add(frame);
+  for (size_t i = 0; i < sides; ++i) graph_.add(i, shown.frames[i]);
   ImGui::SetNextWindowPos({left, 0});
   ImGui::SetNextWindowSize({panel_width, height});
   ImGui::Begin("panel", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysVerticalScrollbar);

@@ -20,9 +20,9 @@ double ms_of(const Frame& frame, sideray_stage stage) {
 
 }  // namespace
 
-void StageGraph::add(const std::shared_ptr<const Frame>& frame) {
-  if (!frame || frame == last_) return;
-  last_ = frame;
+void StageGraph::add(size_t side, const std::shared_ptr<const Frame>& frame) {
+  if (!frame || frame == last_[side]) return;
+  last_[side] = frame;
   ++count_;
   Bar bar;
   bar.total = std::max(frame->ms, ms_of(*frame, SIDERAY_STAGE_TOTAL_FRAME));
@@ -37,14 +37,20 @@ void StageGraph::draw() const {
   const ImVec2 corner = ImGui::GetCursorScreenPos(), size{ImGui::GetContentRegionAvail().x, 84};
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled(corner, {corner.x + size.x, corner.y + size.y}, IM_COL32(20, 22, 25, 255), 3);
-  double most = 1;
-  for (const Bar& bar : bars_) most = std::max(most, bar.total);
+  // The newest bar is half as high as the graph at least: whole pictures may take a hundred times as long as moving ones.
+  double longest = 1;
+  for (const Bar& bar : bars_) longest = std::max(longest, bar.total);
+  const double most = bars_.empty() ? longest : std::min(longest, 2.0 * bars_.back().total);
   const float width = size.x / static_cast<float>(most_bars);
   for (size_t i = 0; i < bars_.size(); ++i) {
     const float x = corner.x + size.x - width * static_cast<float>(bars_.size() - i);
     float y = corner.y + size.y;
     for (size_t k = 0; k < colors.size(); ++k) {
       const float height = static_cast<float>(bars_[i].ms[k] / most) * (size.y - 16);
+      if (y - height < corner.y + 14) {
+        list.AddRectFilled({x, corner.y + 14}, {x + std::max(width - 1, 1.0f), y}, colors[k]);
+        break;
+      }
       list.AddRectFilled({x, y - height}, {x + std::max(width - 1, 1.0f), y}, colors[k]);
       y -= height;
     }

@@ -10,7 +10,8 @@ namespace sideray::viewer {
 
 class StageGraph {
  public:
-  void add(const std::shared_ptr<const Frame>& frame);
+  // The newest picture of a side; one that is there already is not added again.
+  void add(size_t side, const std::shared_ptr<const Frame>& frame);
   void draw() const;
   uint64_t count() const { return count_; }
 
@@ -20,7 +21,7 @@ class StageGraph {
     double total = 0;
   };
   std::deque<Bar> bars_;
-  std::shared_ptr<const Frame> last_;
+  std::array<std::shared_ptr<const Frame>, sides> last_;
   uint64_t count_ = 0;
 };
 
