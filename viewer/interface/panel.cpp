@@ -175,8 +175,10 @@ Wish Panel::draw(State& state, const Drawer::Shown& shown, bool is_loading, bool
     ImGui::EndDisabled();
     ImGui::SameLine();
     if (ImGui::Button("reload")) wish = Wish::reload;
-    ImGui::TextColored(pale, "left drag: around   right drag: look   middle: shift\nwheel: nearer   W A S D Q E: fly   F: all\n"
-                             "C: compare   B: blink   M: map   Tab: panel   Ctrl+S: save   Ctrl+Q: quit");
+    ImGui::TextColored(pale, "left drag: around   right drag: look   middle drag: shift\n"
+                             "wheel: nearer   W A S D Q E: fly   F: all   Space: play\n"
+                             "C: compare   B: blink   M: map   I: inspect   Tab: panel\n"
+                             "Ctrl+S: save   Ctrl+C: copy   Ctrl+R: reload   Ctrl+Q: quit");
   }
   ImGui::End();
   return wish;

@@ -128,7 +128,7 @@ void PictureArea::draw(State& state, const Drawer::Shown& shown, ImVec2 size, fl
     draw_label({margin, margin},
                is_new ? fmt::format("FLIP of {} and {}: {:.4f}   ({} and {} positions)", name_of(state.view.ways[0]),
                                     name_of(state.view.ways[1]), shown.map->mean, shown.map->positions[0], shown.map->positions[1])
-                      : "FLIP: waits for a whole picture of A and of B",
+               : state.view.mode == 0 ? "FLIP: waits for a whole picture of A and of B" : "FLIP is of colours; choose what is shown",
                white, 0);
     for (size_t i = 0; i < sides; ++i)
       if (!shown.errors[i].empty()) draw_label({margin, 40 + 40 * static_cast<float>(i)}, shown.errors[i], red, size.x - 2 * margin);
