@@ -169,10 +169,12 @@ class Viewer(unittest.TestCase):
         (self.folder / "scene.glb").write_bytes(b"no scene")
         panel = (165, 25, 165 + PANEL - 40, 75)
         before = self.display.screen(panel)
-        self.wait_for("changed", 10, lambda: "changed" if self.display.screen(panel) != before else "")
+        self.wait_for("changed", 20, lambda: "changed" if self.display.screen(panel) != before else "")
         self.assertIn("64/64", self.title(), "the old scene did not stay")
+        picture = (0, 30, 160, 90)
+        old = self.display.screen(picture)
         subprocess.run([PROGRAM, "make", "solids", "-o", self.folder / "scene.glb"], check=True)
-        self.wait_for(" 0/64", 10)
+        self.wait_for("changed", 20, lambda: "changed" if self.display.screen(picture) != old else "")
         self.close()
 
     def test_tiny_and_hidden_windows_and_closing_in_the_middle_of_a_picture(self):

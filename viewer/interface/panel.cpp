@@ -108,7 +108,7 @@ void Panel::draw_times(const State& state, const Drawer::Shown& shown) {
     ImGui::Text("picture %llu: %ux%u, %.1f ms", static_cast<unsigned long long>(graph_.count()), frame->width, frame->height,
                 frame->ms);
     const std::string budget = state.view.options["budget"];
-    ImGui::TextColored(pale, "budget of rays: %s", budget.empty() ? "none set" : (budget + " ms while moving").c_str());
+    ImGui::TextColored(pale, "budget of rays: %s", budget.empty() ? "the window's own" : (budget + " ms while moving").c_str());
     if (s.pixels_late + s.mask_pixels_late + s.pixels_older + s.mask_pixels_older > 0) {
       ImGui::Text("pixels with no answer: %.1f %% glass, %.1f %% light", share(s.pixels_late, s.pixels_masked),
                   share(s.mask_pixels_late, s.pixels_total));

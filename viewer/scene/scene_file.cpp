@@ -38,7 +38,7 @@ double radius_of(const scenes::Content& content) {
 
 SceneFile::SceneFile(const SceneSource& source)
     : source_(source),
-      read_at_(file_times()),
+      seen_(file_times()),
       content_(scenes::load(source.scene, {.animation = source.animation, .default_light = source.default_light})),
       scene_(Scene::create().value()),
       radius_(radius_of(content_)) {
@@ -105,8 +105,11 @@ SceneFile::Times SceneFile::file_times() const {
   return times;
 }
 
-bool SceneFile::has_changed() const {
-  return file_times() != read_at_;
+bool SceneFile::has_changed() {
+  Times now = file_times();
+  const bool is_other = now != seen_;
+  seen_ = std::move(now);
+  return is_other;
 }
 
 }  // namespace sideray::viewer

@@ -42,8 +42,9 @@ class SceneFile {
   const Scene& at(double time_s, const std::string& selection, const sideray_camera& camera, uint32_t width, uint32_t height);
   sideray_scene_facts facts();
 
-  // Whether the file of the scene or of its surroundings is another one than was read.
-  bool has_changed() const;
+  // Whether the file of the scene or of its surroundings is another one than was read, or than at the call before: each change
+  // is told once. Main thread.
+  bool has_changed();
 
  private:
   using Times = std::vector<std::filesystem::file_time_type>;
@@ -51,7 +52,7 @@ class SceneFile {
   void move_to(double time_s);
 
   SceneSource source_;
-  Times read_at_;
+  Times seen_;
   std::mutex mutex_;
   scenes::Content content_;
   Scene scene_;
