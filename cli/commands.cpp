@@ -19,6 +19,7 @@
 #include "cli/plan/plan.h"
 #include "cli/render/render.h"
 #include "cli/stress/stress.h"
+#include "cli/view/view.h"
 #include "scenes/builtin/builtin.h"
 
 namespace sideray::cli {
@@ -151,7 +152,7 @@ DeviceList devices() {
 // The rows of every command that has a table, in the order of its help.
 std::vector<std::pair<const char*, const Table*>> tables() {
   return {{"render", &render_table()}, {"bench", &bench_table()},   {"chart", &chart_table()},
-          {"stress", &stress_table()}, {"plan", &plan_table()},     {"compare", &comparison_table()},
+          {"stress", &stress_table()}, {"plan", &plan_table()},     {"view", &view_table()}, {"compare", &comparison_table()},
           {"golden record", &golden_record_table()}, {"golden check", &golden_check_table()}};
 }
 
@@ -248,6 +249,18 @@ Command add_plan(CLI::App& program) {
   app->add_option("SCENE", arguments->scene, "a .gltf or .glb file, or a built-in scene");
   add_options(*app, plan_table(), arguments->given);
   return {app, [arguments] { return plan(arguments->scene, arguments->given); }};
+}
+
+Command add_view(CLI::App& program) {
+  struct Arguments {
+    std::string scene;
+    Given given;
+  };
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* app = program.add_subcommand("view", "shows a scene in a window, and how ways of drawing it differ");
+  app->add_option("SCENE", arguments->scene, "a .gltf or .glb file, or a built-in scene");
+  add_options(*app, view_table(), arguments->given);
+  return {app, [arguments] { return view(arguments->scene, arguments->given); }};
 }
 
 Command add_compare(CLI::App& program) {

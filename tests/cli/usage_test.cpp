@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <sideray/options.h>
 
 #include "cli/program.h"
@@ -9,7 +10,7 @@ using Usage = Program;
 constexpr int failed = 1, usage = 2;
 
 TEST_F(Usage, EveryCommandHasHelp) {
-  for (const char* command : {"", "render", "bench", "compare", "info", "make", "devices", "chart", "stress", "plan",
+  for (const char* command : {"", "render", "bench", "compare", "info", "make", "devices", "chart", "stress", "plan", "view",
                               "golden", "golden record", "golden check", "golden approve"}) {
     const Outcome outcome = run(std::string(command) + " --help");
     EXPECT_EQ(outcome.exit_code, 0) << command;
@@ -168,9 +169,12 @@ TEST_F(Usage, AovsAreChecked) {
   expect_refused("render panes -o x.exr --aov layers --translucency raster", usage, "no layers");
 }
 
-TEST_F(Usage, WhatIsNotBuiltIsRefused) {
-  expect_refused("view panes", usage, "view");
-  EXPECT_EQ(run("--help").output.find("view"), std::string::npos) << "what does not exist is not offered";
+TEST_F(Usage, WindowsAreRefusedBeforeTheyOpen) {
+  const bool is_built = std::filesystem::exists(std::string(SIDERAY_BINARY_DIR) + "/sideray-view");
+  expect_refused("view no_such_scene", usage, is_built ? "no_such_scene" : "libglfw3-dev");
+  expect_refused("view", usage, is_built ? "view: no scene" : "libimgui-dev");
+  expect_refused("view panes --layers 99", usage, is_built ? "--layers" : "libglfw3-dev");
+  expect_refused("view panes --samples 4", usage, "--samples");
 }
 
 TEST_F(Usage, BoundsAreChecked) {

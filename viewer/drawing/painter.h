@@ -1,0 +1,52 @@
+// Draws views, each way of drawing with a renderer of its own, so that each has a past of its own. One thread.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "viewer/drawing/machine.h"
+#include "viewer/drawing/view.h"
+
+namespace sideray::viewer {
+
+// How a picture of a view is drawn beside what the view says.
+struct Effort {
+  uint32_t width = 0, height = 0;
+  bool is_preview = false;
+  bool is_draft = false;   // what is not set is chosen to be fast, but for refraction
+  float budget_ms = 0;     // 0: the view's own
+};
+
+class Painter {
+ public:
+  explicit Painter(Machine& machine) : machine_(machine) {}
+
+  // The next picture of a side: of a view that stands still the one that is a position better. Throws Error.
+  std::shared_ptr<Frame> paint(const View& view, Way way, const Effort& effort);
+
+ private:
+  // The mean of the pictures of a reference so far.
+  struct Refined {
+    uint64_t number = 0;
+    uint32_t width = 0, height = 0, positions = 0;
+    std::array<std::vector<double>, 3> sums;
+  };
+
+  Renderer& renderer_for(const View& view, Way way, bool needs_rasterizer);
+  Picture draw(const View& view, Way way, const Effort& effort, uint32_t position);
+  void add(const Picture& picture, Refined& refined) const;
+  void develop(const View& view, const scenes::Image& image, Frame& frame) const;
+
+  Machine& machine_;
+  std::weak_ptr<SceneFile> scene_;  // what the renderers hold
+  struct Drawing {
+    std::optional<Renderer> renderer;
+    bool rasterizes = false;
+  };
+  std::array<Drawing, way_count> drawings_;
+  Refined refined_;
+};
+
+}  // namespace sideray::viewer

@@ -1,0 +1,56 @@
+// `sideray view`: the window, what it shows, and what people do with it. Main thread.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "viewer/base/arguments.h"
+#include "viewer/interface/chart_task.h"
+#include "viewer/interface/loader.h"
+#include "viewer/interface/panel.h"
+#include "viewer/interface/picture_area.h"
+
+namespace sideray::viewer {
+
+class Application {
+ public:
+  // `program`: sideray, for charts. Throws Error where there is no window to be had.
+  Application(const Arguments& arguments, const std::string& program);
+  // Until the window is closed.
+  void run();
+  // Whether what is being drawn and read ends in that time; a picture cannot be stopped in the middle.
+  bool ends_within(double seconds);
+
+ private:
+  void start(const Arguments& arguments);
+  void press(int key, bool with_control);
+  void drop(const std::vector<std::string>& paths);
+  void take_scene();
+  void fly(double seconds);
+  void play();
+  void follow_camera();
+  void update();
+  void draw(const Drawer::Shown& shown);
+  void grant(Wish wish, const Drawer::Shown& shown);
+  void save_picture(const Drawer::Shown& shown);
+  void watch();
+  double seconds_to_wait() const;
+  bool is_flying() const;
+  std::string title(const Drawer::Shown& shown) const;
+
+  Arguments arguments_;
+  Window window_;
+  Machine machine_;
+  Loader loader_;
+  ChartTask chart_;
+  State state_;
+  PictureArea pictures_;
+  Panel panel_;
+  std::optional<Drawer> drawer_;
+  double last_loop_ = 0, watched_at_ = 0, blinked_at_ = 0, played_at_ = 0;
+  float width_ = 0, height_ = 0;  // of the pictures, in units of the window
+  bool is_first_scene_ = true;
+};
+
+}  // namespace sideray::viewer

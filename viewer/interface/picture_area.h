@@ -1,0 +1,35 @@
+// The pictures in the window: A, B, both at a slider, or how they differ; and what the mouse does there. Main thread.
+#pragma once
+
+#include <array>
+
+#include "viewer/interface/state.h"
+#include "viewer/interface/window.h"
+
+namespace sideray::viewer {
+
+class PictureArea {
+ public:
+  void draw(State& state, const Drawer::Shown& shown, ImVec2 size, float pixels_per_unit);
+
+ private:
+  // A texture and what it was made from.
+  struct Uploaded {
+    Texture texture;
+    std::shared_ptr<const void> from;
+  };
+  void upload(const Drawer::Shown& shown);
+  void draw_side(const State& state, const Drawer::Shown& shown, size_t side, float begin, float end, ImVec2 size) const;
+  void control(State& state, const Drawer::Shown& shown, ImVec2 size, float pixels_per_unit);
+  bool drag_slider(State& state, ImVec2 size);
+
+  std::array<Uploaded, sides> sides_;
+  Uploaded map_;
+  glm::dvec3 pivot_{0};  // of the drag that goes on
+  bool drags_slider_ = false;
+};
+
+// The distance of the opaque surface there, along the view axis; `otherwise` where there is none.
+double depth_at(const Frame* frame, double x, double y, double otherwise);
+
+}  // namespace sideray::viewer

@@ -1,0 +1,28 @@
+// The times of the last pictures by stage. Main thread.
+#pragma once
+
+#include <deque>
+#include <memory>
+
+#include "viewer/drawing/view.h"
+
+namespace sideray::viewer {
+
+class StageGraph {
+ public:
+  // The newest picture of a side; one that is there already is not added again.
+  void add(size_t side, const std::shared_ptr<const Frame>& frame);
+  void draw() const;
+  uint64_t count() const { return count_; }
+
+ private:
+  struct Bar {
+    std::array<double, 5> ms{};  // light, sky, other rays, filters, the rest
+    double total = 0;
+  };
+  std::deque<Bar> bars_;
+  std::array<std::shared_ptr<const Frame>, sides> last_;
+  uint64_t count_ = 0;
+};
+
+}  // namespace sideray::viewer
