@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <thread>
+#include <vector>
 
 #include "python/native/native.h"
 
@@ -75,11 +77,22 @@ Vec3 vector_of(const Array<double>& array, const char* what) {
   return {static_cast<float>(array.data()[0]), static_cast<float>(array.data()[1]), static_cast<float>(array.data()[2])};
 }
 
+// Calls work(first, end) for as many parts of the rows as threads are worth their start.
+template <typename Work>
+void by_rows(py::ssize_t height, py::ssize_t width, py::ssize_t threads, const Work& work) {
+  constexpr py::ssize_t pixels_worth_a_thread = 32768;
+  const py::ssize_t parts = std::clamp(height * width / pixels_worth_a_thread, py::ssize_t{1}, std::max(threads, py::ssize_t{1}));
+  std::vector<std::jthread> others;
+  for (py::ssize_t part = 1; part < parts; ++part)
+    others.emplace_back([=, &work] { work(part * height / parts, (part + 1) * height / parts); });
+  work(py::ssize_t{0}, height / parts);
+}
+
 // Where nothing hides it, `added` is added and the sky times `sky_share`. planes: R, G, B, A. A pixel's direction is corner +
 // column * across + row * down. Returns (height, width, 3).
 py::array with_backdrop(const std::vector<Array<float>>& planes, const Array<double>& added,
                         const std::optional<Array<uint8_t>>& faces, double sky_share, bool srgb, const Array<double>& corner,
-                        const Array<double>& across, const Array<double>& down) {
+                        const Array<double>& across, const Array<double>& down, py::ssize_t threads) {
   const Vec3 constant = vector_of(added, "added"), from = vector_of(corner, "corner"), right = vector_of(across, "across"),
              below = vector_of(down, "down");
   if (planes.size() != 4) throw Error(SIDERAY_INVALID_ARGUMENT, "planes: give R, G, B and A");
@@ -88,12 +101,13 @@ py::array with_backdrop(const std::vector<Array<float>>& planes, const Array<dou
   std::optional<Sky> sky;
   if (faces && sky_share != 0.0) sky.emplace(*faces, srgb);
   py::array_t<float> result({height, width, py::ssize_t{3}});
-  float* to = result.mutable_data();
+  float* const pixels = result.mutable_data();
   const std::array<const float*, 4> rgba = {planes[0].data(), planes[1].data(), planes[2].data(), planes[3].data()};
   py::gil_scoped_release released;
   const auto share = static_cast<float>(sky_share);
-  for (py::ssize_t y = 0, i = 0; y < height; ++y)
-    for (py::ssize_t x = 0; x < width; ++x, ++i, to += 3) {
+  const auto fill_row = [&](py::ssize_t y) {
+    for (py::ssize_t x = 0, i = y * width; x < width; ++x, ++i) {
+      float* const to = pixels + 3 * i;
       const float clear = 1.0f - rgba[3][i];
       if (clear <= 0.0f) {
         for (size_t k = 0; k < 3; ++k) to[k] = rgba[k][i];
@@ -108,6 +122,10 @@ py::array with_backdrop(const std::vector<Array<float>>& planes, const Array<dou
       }
       for (size_t k = 0; k < 3; ++k) to[k] = rgba[k][i] + clear * missing[k];
     }
+  };
+  by_rows(height, width, threads, [&](py::ssize_t first, py::ssize_t end) {
+    for (py::ssize_t y = first; y < end; ++y) fill_row(y);
+  });
   return result;
 }
 
@@ -126,7 +144,7 @@ py::array as_bytes(const Array<float>& values) {
 
 void define_backdrop(py::module_& module) {
   module.def("with_backdrop", with_backdrop, py::arg("planes"), py::arg("added"), py::arg("faces"), py::arg("sky_share"),
-             py::arg("srgb"), py::arg("corner"), py::arg("across"), py::arg("down"));
+             py::arg("srgb"), py::arg("corner"), py::arg("across"), py::arg("down"), py::arg("threads"));
   module.def("as_bytes", as_bytes, py::arg("values"));
 }
 

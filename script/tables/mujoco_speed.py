@@ -77,7 +77,7 @@ def main():
     parser.add_argument("models", nargs="+", type=pathlib.Path)
     parser.add_argument("--size", default="256x256,640x480")
     parser.add_argument("--steps", type=int, default=15)
-    parser.add_argument("--gl", default="auto")
+    parser.add_argument("--gl", default="none")
     parser.add_argument("--ways", default="", help="their numbers, 0 to 3: all")
     given = parser.parse_args()
     sizes = [tuple(map(int, size.split("x"))) for size in given.size.split(",")]

@@ -293,7 +293,8 @@ class Renderer:
         return np.stack(shown) if self._batch else shown[0]
 
     def _shown(self, picture: Picture, camera: Camera, backdrop: Any, options: Mapping[str, Any]) -> np.ndarray:
-        rgb = _native.with_backdrop([picture[name] for name in "RGBA"], *backdrop, *camera._directions(picture.size))
+        rgb = _native.with_backdrop([picture[name] for name in "RGBA"], *backdrop, *camera._directions(picture.size),
+                                    picture.stats["threads"])
         if self._look.linear:
             return _native.display(np.maximum(rgb, 0), options.get("exposure", 0.0), options["tonemap"])
         return _native.as_bytes(rgb)
