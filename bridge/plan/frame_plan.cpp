@@ -99,7 +99,7 @@ void plan_translucency(const model::Snapshot& snapshot, const RenderOptions& opt
   if (layers.whole_pixels) layers.others_bits = gl::others_stencil_bit;
 }
 
-// Where rays composite all surfaces, layers that are to be shown are traced apart, as a cache would hold them.
+// Rays that composite all surfaces leave no layers: those that are to be shown are traced apart, as a cache would hold them.
 void plan_shown_layers(const model::Snapshot& snapshot, const RenderOptions& options, FramePlan& plan) {
   if (!plan.resolves || !options.shows(SIDERAY_AOV_LAYERS) || !has_traced(snapshot, gl::TracedSet::visible_in_layers)) return;
   plan.shown_layers = layer_inputs(options);

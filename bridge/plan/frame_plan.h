@@ -37,7 +37,7 @@ struct FramePlan {
   // The renderer asks the service for these, as any host does, and adds the names of textures. The rasterizer obeys
   // `refraction` also where nothing is traced.
   sideray_layer_inputs layers;            // with `traces`
-  // Where rays composite all surfaces: the cache that is traced besides, to be shown; max_layers 0: none is.
+  // Describes the cache that is traced only to be shown, where rays composite all surfaces; max_layers 0: none is.
   sideray_layer_inputs shown_layers;
   sideray_mask_inputs masks;              // with masks_occlusion()
   sideray_reflection_inputs reflections;  // with `reflects`

@@ -193,7 +193,7 @@ RayBackend::RayBackend(std::string reason) {
   info_.reason = std::move(reason);
 }
 
-// What jobs keep is compared with what they trace next, and a scene's revisions are its own.
+// Jobs recognize what they kept by the revision of a scene, and two scenes may have the same.
 void RayBackend::set_tracer(sideray_tracer* tracer) {
   if (tracer != tracer_) jobs_ = std::make_unique<Jobs>();
   tracer_ = tracer;

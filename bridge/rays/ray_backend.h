@@ -61,7 +61,7 @@ class RayBackend final : public Backend {
   sideray_tracer* tracer_ = nullptr;
   std::shared_ptr<const model::Snapshot> snapshot_;
   uint32_t width_ = 0, height_ = 0;
-  // With what they keep from frame to frame of a scene.
+  // Holds the jobs with what they keep of a scene from frame to frame.
   struct Jobs {
     MaskJob masks;
     ReflectionJob reflections;

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 
+#include "scenes/images/images.h"
+
 namespace sideray::cli {
 namespace {
 
 constexpr const char* gl_paths[] = {"auto", "egl", "osmesa", "none"};
-constexpr const char* tonemaps[] = {"none", "reinhard", "aces", "aces-filmic", "pbr-neutral"};
 constexpr const char* switches[] = {"on", "off"};
 
 template <size_t count>
@@ -125,7 +126,7 @@ void add_outputs(std::vector<OwnOption>& list) {
   list.push_back(of_view(
       after, under(title, number_row(text_row("exposure", "EV", "0", "stops of exposure; PNG only"), -64, 64))));
   list.push_back(of_view(
-      after, under(title, choice("tonemap", tonemaps, "pbr-neutral", "how radiance becomes colours; PNG only"))));
+      after, under(title, choice("tonemap", scenes::tonemap_names, "pbr-neutral", "how radiance becomes colours; PNG only"))));
   list.push_back(of_picture(after, under(title, text_row("aov", "LIST", "", "more channels, or all; .exr only"))));
   list.push_back(of_run(
       after, under(title, text_row("truth", "FILE.json", "", "writes box, masks and coverage of every object"))));

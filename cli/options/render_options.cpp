@@ -61,7 +61,7 @@ std::array<double, 3> point(const char* name, const std::string& given) {
   return p;
 }
 
-// Of focal lengths and a principal point in pixels of the picture, from its top left corner.
+// Reads focal lengths and a principal point, which are in pixels of the picture from its top left corner.
 Projection projection_of(const std::string& given, double width, double height) {
   const char* const name = "intrinsics";
   const std::vector<std::string> parts = split(given, ',');
@@ -94,13 +94,6 @@ void set_camera(const Given& given, RenderOptions& result) {
   if (camera.eye == camera.target) wrong_usage("--target: is the eye itself; give another point");
   if (given.contains("fov")) camera.fov_deg = static_cast<float>(number_of(render_table(), given, "fov"));
   result.free_camera = camera;
-}
-
-scenes::Tonemap tonemap_of(const std::string& name) {
-  if (name == "none") return scenes::Tonemap::none;
-  if (name == "reinhard") return scenes::Tonemap::reinhard;
-  if (name == "aces") return scenes::Tonemap::aces;
-  return name == "aces-filmic" ? scenes::Tonemap::aces_filmic : scenes::Tonemap::pbr_neutral;
 }
 
 void set_environment(const Given& given, RenderOptions& result) {
@@ -244,7 +237,7 @@ RenderOptions resolve_render(const std::string& scene, const Given& given) {
   set_taa(result);
   set_environment(given, result);
   result.display.exposure_ev = static_cast<float>(number_of(render_table(), given, "exposure"));
-  result.display.tonemap = tonemap_of(text(given, "tonemap"));
+  result.display.tonemap = scenes::tonemap_named(text(given, "tonemap"));
   set_outputs(given, result);
   check_files(result);
   set_aovs(given, result);

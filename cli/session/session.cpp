@@ -8,6 +8,7 @@
 
 #include "cli/base/failure.h"
 #include "scenes/builtin/builtin.h"
+#include "scenes/builtin/surroundings.h"
 #include "scenes/content/animation.h"
 
 namespace sideray::cli {
@@ -68,39 +69,8 @@ ChosenCamera choose_camera(const RenderOptions& options, const Content& content)
   return {scenes::framing_camera(content, aspect_of(options)), "framed", {}};
 }
 
-struct LatLong {
-  uint32_t width, height;
-  std::vector<float> rgb;
-};
-
-LatLong environment_image(const RenderOptions& options) {
-  const scenes::Image image = scenes::read_image(options.environment);
-  LatLong result{image.width, image.height, std::vector<float>(size_t{image.width} * image.height * 3)};
-  for (size_t k = 0; k < 3; ++k) {
-    const scenes::Plane* plane = image.find(std::string(1, "RGB"[k]));
-    if (!plane || plane->values.size() * 3 != result.rgb.size())
-      throw Error(SIDERAY_INVALID_ARGUMENT,
-                  fmt::format("{}: has no channels R, G, B; use a lat-long colour image", options.environment));
-    for (size_t i = 0; i < plane->values.size(); ++i) result.rgb[3 * i + k] = plane->values[i];
-  }
-  return result;
-}
-
-void set_environment(Scene& scene, const RenderOptions& options) {
-  const auto set = [&](uint32_t width, uint32_t height, const float* rgb) {
-    scene.set_environment(width, height, rgb, options.environment_scale, options.environment_rotation_deg);
-  };
-  if (options.environment == "none") return set(0, 0, nullptr);
-  if (options.environment == "sky") {
-    const scenes::Sky sky = scenes::sky();
-    return set(sky.width, sky.height, sky.rgb.data());
-  }
-  const LatLong image = environment_image(options);
-  try {
-    set(image.width, image.height, image.rgb.data());
-  } catch (const Error& error) {
-    throw Error(error.status, fmt::format("cannot use {}: {}", options.environment, error.what()));
-  }
+scenes::Surroundings surroundings_of(const RenderOptions& options) {
+  return {options.environment, options.environment_scale, options.environment_rotation_deg};
 }
 
 Renderer make_renderer(const RenderOptions& options) {
@@ -178,7 +148,7 @@ void SceneChecks::check(const RenderOptions& options) {
     loaded_ = wanted;
   }
   if (!options.free_camera && !options.camera.empty()) (void)index_of_camera(content_, options.camera);
-  if (options.environment != "none" && options.environment != "sky") (void)environment_image(options);
+  scenes::check_surroundings(surroundings_of(options));
 }
 
 Session::Session(const RenderOptions& options) : scene_(Scene::create().value()) {
@@ -191,7 +161,7 @@ Session::Session(const RenderOptions& options) : scene_(Scene::create().value())
   camera_index_ = chosen.index;
   time_s_ = time_before_s_ = options.time_s;
   scene_.set_time(time_s_, time_before_s_);
-  set_environment(scene_, options);
+  scenes::set_surroundings(scene_, surroundings_of(options));
   load_ms_ = ms_since(start);
 }
 

@@ -10,18 +10,6 @@ namespace {
 using scenes::Image;
 using scenes::Plane;
 
-scenes::Tonemap tonemap_of(const std::string& name) {
-  const std::pair<const char*, scenes::Tonemap> known[] = {{"none", scenes::Tonemap::none},
-                                                           {"reinhard", scenes::Tonemap::reinhard},
-                                                           {"aces", scenes::Tonemap::aces},
-                                                           {"aces-filmic", scenes::Tonemap::aces_filmic},
-                                                           {"pbr-neutral", scenes::Tonemap::pbr_neutral}};
-  for (const auto& [word, tonemap] : known)
-    if (name == word) return tonemap;
-  throw Error(SIDERAY_INVALID_ARGUMENT,
-              "tonemap: unknown value \"" + name + "\"; one of none, reinhard, aces, aces-filmic, pbr-neutral");
-}
-
 Image image_of(const Array<float>& rgb, bool linear, const char* what) {
   require_shape(rgb, {-1, -1, 3}, what);
   Image image;
@@ -100,7 +88,7 @@ py::bytes encode_png(const Array<uint8_t>& rgb) {
 
 py::array display(const Array<float>& rgb, float exposure, const std::string& tonemap) {
   const Image image = image_of(rgb, true, "rgb");
-  const scenes::Tonemap curve = tonemap_of(tonemap);
+  const scenes::Tonemap curve = scenes::tonemap_named(tonemap);
   py::array_t<uint8_t> shown({rgb.shape(0), rgb.shape(1), py::ssize_t{3}});
   uint8_t* to = shown.mutable_data();
   py::gil_scoped_release released;
@@ -112,7 +100,7 @@ py::array display(const Array<float>& rgb, float exposure, const std::string& to
 py::tuple compare(const Array<float>& test, bool test_linear, const Array<float>& reference, bool reference_linear,
                   float exposure, const std::string& tonemap) {
   const Image a = image_of(test, test_linear, "test"), b = image_of(reference, reference_linear, "reference");
-  const lab::Display shown{exposure, tonemap_of(tonemap)};
+  const lab::Display shown{exposure, scenes::tonemap_named(tonemap)};
   lab::Comparison comparison;
   {
     py::gil_scoped_release released;

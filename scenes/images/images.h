@@ -47,6 +47,9 @@ struct Decoded {
 Decoded decode_image(std::span<const uint8_t> bytes, const std::string& what, Budget* budget = nullptr);
 
 enum class Tonemap { none, reinhard, aces, aces_filmic, pbr_neutral };
+inline constexpr const char* tonemap_names[] = {"none", "reinhard", "aces", "aces-filmic", "pbr-neutral"};  // by its values
+// Throws Error where there is no such name.
+Tonemap tonemap_named(const std::string& name);
 
 // PNG values of a linear image (cli.md): sRGB_OETF(tonemap(2^ev * L)), unquantized, three floats a pixel. A display
 // image comes back as it is.

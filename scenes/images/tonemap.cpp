@@ -1,3 +1,5 @@
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -90,6 +92,13 @@ std::array<const Plane*, 3> color_planes(const Image& image) {
 }
 
 }  // namespace
+
+Tonemap tonemap_named(const std::string& name) {
+  const auto at = std::find(std::begin(tonemap_names), std::end(tonemap_names), name);
+  if (at == std::end(tonemap_names))
+    refuse("tonemap: unknown value \"{}\"; one of {}", name, fmt::join(tonemap_names, ", "));
+  return static_cast<Tonemap>(at - std::begin(tonemap_names));
+}
 
 std::vector<float> display_values(const Image& image, float exposure_ev, Tonemap tonemap) {
   const std::array<const Plane*, 3> planes = color_planes(image);

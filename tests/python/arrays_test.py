@@ -249,3 +249,23 @@ def test_a_view_whose_intrinsics_change_does_not_stand_still(change):
     # Jitter moves its edges by less than a pixel; a mean over both views would be about as far from one as from the other.
     assert np.abs(followed.rgb - fresh.rgb).mean() < np.abs(old.rgb - fresh.rgb).mean() / 3
     assert (followed.ids != fresh.ids).mean() < (old.ids != fresh.ids).mean() / 3
+
+
+def test_a_backdrop_is_the_same_for_any_number_of_threads():
+    """MuJoCo's sky behind a picture, whose rows the threads share."""
+    from sideray import _native
+
+    random = np.random.default_rng(5)
+    planes = [random.random((300, 410), np.float32) for _ in range(4)]
+    faces = random.integers(0, 256, (6, 8, 8, 3), np.uint8)
+    corner, across, down = np.array([-1.0, 0.8, -1.0]), np.array([2 / 410, 0.1 / 410, 0.0]), np.array([0.0, -1.6 / 300, 0.0])
+
+    def drawn(threads):
+        return _native.with_backdrop(planes, np.array([0.1, 0.2, 0.3]), faces, 0.5, False, corner, across, down, threads)
+
+    one = drawn(1)
+    for threads in (2, 3, 7):
+        assert np.array_equal(one, drawn(threads))
+    without_sky = _native.with_backdrop(planes, np.array([0.1, 0.2, 0.3]), None, 0.5, False, corner, across, down, 3)
+    rgb = np.stack(planes[:3], -1) + (1 - planes[3])[..., None] * np.array([0.1, 0.2, 0.3], np.float32)
+    assert np.allclose(without_sky, rgb, atol=1e-6)

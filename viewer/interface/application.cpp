@@ -24,20 +24,13 @@ constexpr double blink_s = 0.5;
 constexpr double tick_s = 1.0 / 60;
 constexpr float least_picture_width = 64;  // narrower windows have no panel
 
-scenes::Tonemap tonemap_of(const std::string& name) {
-  constexpr std::array<const char*, 5> names{"none", "reinhard", "aces", "aces-filmic", "pbr-neutral"};
-  const auto at = std::find(names.begin(), names.end(), name);
-  return at == names.end() ? scenes::Tonemap::pbr_neutral : static_cast<scenes::Tonemap>(at - names.begin());
-}
-
 SceneSource source_of(const Arguments& arguments) {
   SceneSource source;
   source.scene = arguments.scene;
   source.animation = arguments.text("animation");
   source.default_light = arguments.text("default-light", "on") == "on";
-  source.environment = arguments.text("env", "sky");
-  source.environment_scale = static_cast<float>(arguments.number("env-scale", 1));
-  source.environment_rotation_deg = static_cast<float>(arguments.number("env-rotate", 0));
+  source.surroundings = {arguments.text("env", "sky"), static_cast<float>(arguments.number("env-scale", 1)),
+                         static_cast<float>(arguments.number("env-rotate", 0))};
   return source;
 }
 
@@ -75,7 +68,7 @@ void Application::start(const Arguments& arguments) {
   for (const auto& [name, value] : arguments.given)
     if (sideray_option_find(name.c_str()) && !is_decided_by_window(name)) state_.view.options.set(name, value);
   state_.view.display.exposure_ev = static_cast<float>(arguments.number("exposure", 0));
-  state_.view.display.tonemap = tonemap_of(arguments.text("tonemap", "pbr-neutral"));
+  state_.view.display.tonemap = scenes::tonemap_named(arguments.text("tonemap", "pbr-neutral"));
   state_.view.time_s = arguments.number("time", 0);
   loader_.load(source_of(arguments));
 }
@@ -84,7 +77,7 @@ void Application::drop(const std::vector<std::string>& paths) {
   for (const std::string& path : paths) {
     SceneSource source = state_.view.scene ? state_.view.scene->source() : source_of(arguments_);
     if (is_environment(path))
-      source.environment = path;
+      source.surroundings.name = path;
     else
       source.scene = path, source.animation.clear();
     loader_.load(source);
@@ -254,8 +247,7 @@ void Application::grant(Wish wish, const Drawer::Shown& shown) {
     }
     words.insert(words.begin(), "render");
     words.insert(words.end(), {"--exposure", fmt::format("{}", state_.view.display.exposure_ev), "--tonemap",
-                               std::array{"none", "reinhard", "aces", "aces-filmic", "pbr-neutral"}[static_cast<size_t>(
-                                   state_.view.display.tonemap)],
+                               scenes::tonemap_names[static_cast<size_t>(state_.view.display.tonemap)],
                                "--samples", fmt::format("{}", still_positions), "-o", "picture.png"});
     const std::string line = line_of(words);
     window_.copy_text(line);

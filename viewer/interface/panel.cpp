@@ -90,12 +90,11 @@ void Panel::draw_camera(State& state) {
 }
 
 void Panel::draw_display(State& state) {
-  constexpr const char* names[] = {"none", "reinhard", "aces", "aces-filmic", "pbr-neutral"};
   int tonemap = static_cast<int>(state.view.display.tonemap);
   ImGui::SetNextItemWidth(170);
   bool is_changed = ImGui::SliderFloat("exposure", &state.view.display.exposure_ev, -8, 8, "%.1f EV");
   ImGui::SetNextItemWidth(170);
-  if (ImGui::Combo("tonemap", &tonemap, names, static_cast<int>(std::size(names)))) {
+  if (ImGui::Combo("tonemap", &tonemap, scenes::tonemap_names, static_cast<int>(std::size(scenes::tonemap_names)))) {
     state.view.display.tonemap = static_cast<scenes::Tonemap>(tonemap);
     is_changed = true;
   }

@@ -2,32 +2,11 @@
 
 #include <algorithm>
 
-#include "scenes/base/files.h"
 #include "scenes/builtin/builtin.h"
 #include "scenes/content/placement.h"
-#include "scenes/images/images.h"
 
 namespace sideray::viewer {
 namespace {
-
-void set_image(Scene& scene, const SceneSource& source) {
-  const scenes::Image image = scenes::read_image(source.environment);
-  std::vector<float> rgb(size_t{image.width} * image.height * 3);
-  for (size_t k = 0; k < 3; ++k) {
-    const scenes::Plane* plane = image.find(std::string(1, "RGB"[k]));
-    if (!plane || plane->values.size() * 3 != rgb.size())
-      scenes::refuse("{}: has no channels R, G, B; use a lat-long colour image", source.environment);
-    for (size_t i = 0; i < plane->values.size(); ++i) rgb[3 * i + k] = plane->values[i];
-  }
-  scene.set_environment(image.width, image.height, rgb.data(), source.environment_scale, source.environment_rotation_deg);
-}
-
-void set_environment(Scene& scene, const SceneSource& source) {
-  if (source.environment == "none") return scene.set_environment(0, 0, nullptr, 1, 0);
-  if (source.environment != "sky") return set_image(scene, source);
-  const scenes::Sky sky = scenes::sky();
-  scene.set_environment(sky.width, sky.height, sky.rgb.data(), source.environment_scale, source.environment_rotation_deg);
-}
 
 double radius_of(const scenes::Content& content) {
   const scenes::Bounds bounds = scenes::bounds_of(content);
@@ -43,7 +22,7 @@ SceneFile::SceneFile(const SceneSource& source)
       scene_(Scene::create().value()),
       radius_(radius_of(content_)) {
   scene_.set_time(0, 0);
-  set_environment(scene_, source_);
+  scenes::set_surroundings(scene_, source_.surroundings);
   traced_ = scenes::select_ray_traced(content_, selection_, framing(1.0f), 64, 64);
   scenes::fill(scene_, content_, traced_);
 }
@@ -97,7 +76,7 @@ void SceneFile::move_to(double time_s) {
 
 SceneFile::Times SceneFile::file_times() const {
   Times times;
-  for (const std::string& path : {source_.scene, source_.environment}) {
+  for (const std::string& path : {source_.scene, source_.surroundings.name}) {
     std::error_code error;
     const auto time = std::filesystem::last_write_time(path, error);
     times.push_back(error ? std::filesystem::file_time_type{} : time);

@@ -9,16 +9,16 @@
 #include <string>
 #include <vector>
 
+#include "scenes/builtin/surroundings.h"
 #include "scenes/content/content.h"
 
 namespace sideray::viewer {
 
 struct SceneSource {
-  std::string scene;                // a .gltf or .glb file, or a built-in scene
-  std::string animation;            // "" = the first
-  bool default_light = true;        // a sun for files without lights
-  std::string environment = "sky";  // "sky", "none" or a file
-  float environment_scale = 1, environment_rotation_deg = 0;
+  std::string scene;          // a .gltf or .glb file, or a built-in scene
+  std::string animation;      // "" = the first
+  bool default_light = true;  // a sun for files without lights
+  scenes::Surroundings surroundings;
 };
 
 class SceneFile {

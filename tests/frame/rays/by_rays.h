@@ -27,6 +27,18 @@ inline void expect_same_bits(const Frame& a, const Frame& b, const std::string& 
   for (const auto& [name, plane] : a.uint_planes) EXPECT_EQ(plane, b.uint_planes.at(name)) << what << ", " << name;
 }
 
+// Draws two scenes by one thread and by two.
+inline void expect_same_bits_for_any_threads(Setup setup) {
+  setup.width = 160, setup.height = 90;
+  for (const char* scene : {"solids", "smoke"}) {
+    const scenes::Content content = scenes::generate(scene, {});
+    setup.threads = 1;
+    const Frame one = render(content, setup);
+    setup.threads = 2;
+    expect_same_bits(one, render(content, setup), scene);
+  }
+}
+
 inline Renderer renderer_by_rays() {
   sideray_renderer_desc desc = sideray_renderer_defaults();
   desc.gl = "none";
