@@ -8,7 +8,7 @@
 namespace sideray::bridge {
 namespace {
 
-// At this bound no scene that was measured is farther off the reference by more than 0.0007 FLIP (docs/ray-reuse.md).
+// At this bound no scene that was measured is farther off the reference by more than 0.0007 FLIP (docs/translucency.md).
 constexpr float auto_reuse = 0x1p-6f;
 
 // An eye sees the change in a picture as it is shown.

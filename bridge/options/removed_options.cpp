@@ -13,7 +13,7 @@ struct Removed {
   const char* instead;
 };
 
-// In alphabetical order. docs/migrating-0.3.md has the reasons.
+// In alphabetical order. docs/migrating.md has the reasons.
 constexpr Removed removed[] = {
     {"denoise-on", "", "leave it out: masks are filtered by the threads that trace them"},
     {"foliage", "", "write poses rest for static, poses 1 for shared, or poses all for unique"},

@@ -14,7 +14,7 @@ namespace sideray::bridge {
 namespace {
 
 constexpr size_t most_masks = 32;
-// Twice as many bring pictures no nearer to path tracers (docs/fidelity.md): filters see those of the neighbours.
+// Twice as many bring pictures no nearer to path tracers (docs/others.md): filters see those of the neighbours.
 constexpr uint32_t ao_rays_a_pixel = 2;
 
 // What the plans of a frame's parts have in common.

@@ -10,7 +10,6 @@ import subprocess
 import sys
 import tempfile
 
-PAGES = ("README.md", "docs/embedding.md", "docs/migrating-0.2.md")
 LANGUAGES = {"c": ["-std=c99", "-xc"], "cpp": ["-std=c++20", "-xc++"]}
 WARNINGS = ["-Wall", "-Wextra", "-Werror", "-Wno-unused-variable", "-Wno-unused-but-set-variable", "-Wno-unused-function"]
 BLOCK = re.compile(r"^( *)```(c|cpp)\n(.*?)^ *```$", re.MULTILINE | re.DOTALL)
@@ -33,8 +32,8 @@ def main():
     source, compilers = pathlib.Path(sys.argv[1]).resolve(), {"c": sys.argv[2], "cpp": sys.argv[3]}
     prelude = source / "tests/docs/prelude.h"
     compiled = 0
-    for page in PAGES:
-        text = (source / page).read_text()
+    for path in sorted([*source.glob("*.md"), *source.glob("docs/*.md")]):
+        page, text = str(path.relative_to(source)), path.read_text()
         for language, flags in LANGUAGES.items():
             unit = unit_of(page, text, language, prelude)
             if not unit:
@@ -46,7 +45,7 @@ def main():
                 if subprocess.run(command).returncode != 0:
                     sys.exit(f"{page}: its {language} code does not compile")
             compiled += 1
-    if compiled < 4:
+    if compiled < 2:
         sys.exit(f"only {compiled} units of code found: the documents' marks have changed")
     print(f"{compiled} units of code compile")
 
