@@ -2,6 +2,7 @@
 
   links      relative links lead to files, and their anchors to headings
   files      paths in code, such as `rt/base/lanes.h` or `bridge/plan/frame_plan`, are those of the sources
+  functions  `name()` and `Class::name()` are in the sources
   options    `--name` is an option of the program, or of a script, example or test; pages about older versions may name
              removed options
   commands   `sideray ...` is parsed by the program, which then misses its scene
@@ -76,6 +77,15 @@ def file_faults(page, root):
             yield f"`{span}`: there is no such file"
 
 
+def function_faults(page, sources):
+    """Functions that are named as `Class::name()` or `name()`."""
+    if page.name.startswith(HISTORICAL):
+        return
+    for span in page.spans:
+        if re.fullmatch(r"[\w:.]+\(\)", span) and not re.search(rf"\b{re.split(r'[:.]+', span[:-2])[-1]}\b", sources):
+            yield f"`{span}`: there is no such function"
+
+
 def option_faults(page, known, elsewhere, removed):
     texts = page.spans + [line for language, block in page.blocks if language in ("", "sh") for line in block.splitlines()]
     for text in texts:
@@ -140,7 +150,7 @@ def python_faults(page):
 
 
 def text_below(root, *folders):
-    endings = {"", ".py", ".cpp", ".c", ".h", ".sh", ".yaml", ".sbatch"}
+    endings = {"", ".py", ".cpp", ".c", ".h", ".hpp", ".glsl", ".frag", ".vert", ".sh", ".yaml", ".sbatch"}
     files = (file for folder in folders for file in sorted((root / folder).rglob("*")) if file.is_file() and file.suffix in endings)
     return "\n".join(file.read_text(encoding="utf-8", errors="replace") for file in files)
 
@@ -157,11 +167,12 @@ def main():
     known |= {"help", "help-all", "version", "json", "list", "set", "diagnose", "jobs", "quick"}
     elsewhere = text_below(root, "script", "examples", "tests/viewer", "tests/cluster", "viewer") + FOREIGN
     removed = (root / "bridge/options/removed_options.cpp").read_text() + text_below(root, "cli")
-    tests = text_below(root, "tests")
+    tests, sources = text_below(root, "tests"), text_below(root, *FOLDERS.split("|"))
     faults, run = [], 0
     chosen = [p for p in pages.values() if p.name in sys.argv[3:]] or pages.values()
     for page in chosen:
-        found = [*link_faults(page, pages), *file_faults(page, root), *option_faults(page, known, elsewhere, removed),
+        found = [*link_faults(page, pages), *file_faults(page, root), *function_faults(page, sources),
+                 *option_faults(page, known, elsewhere, removed),
                  *test_faults(page, tests), *python_faults(page)]
         for text, words in commands_of(page):
             fault = run_dry(program, words, scenes)
