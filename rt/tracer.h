@@ -31,7 +31,7 @@ struct GroundTruthImage;
 struct ObjectTruthRequest;
 struct ObjectTruth;
 struct LayeredDepthRequest;
-// rt/drawing/, for whoever draws without a rasterizer.
+// rt/drawing/: drawing without a rasterizer.
 struct OpaqueRequest;
 struct OpaquePixels;
 struct OpaqueMaterials;

@@ -22,7 +22,7 @@ struct sideray_shortcuts {
 
 namespace sideray::bridge {
 
-// What an older caller's facts lack is not there.
+// Facts that an older caller's struct lacks count as absent.
 void init_facts(sideray_scene_facts* out, size_t size) {
   init_struct(out, size, sideray_scene_facts{});
 }

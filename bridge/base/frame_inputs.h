@@ -11,8 +11,8 @@
 
 namespace sideray::bridge {
 
-// The renderer asks for these beside a frame's outputs, to time and count it and to show the distances behind masks. They
-// change nothing of what the frame shows, but where tiles are not wanted.
+// What the renderer requests beside a frame's outputs, to time and count it and to show the distances behind masks. It
+// does not change what the frame shows, except in tiles that are not wanted.
 struct Inspection {
   bool check = false;          // CACHE also traces what its layers are checked against
   bool hit_distances = false;  // masks hold the distance of every occluder near a shadow's edge

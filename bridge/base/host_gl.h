@@ -5,7 +5,7 @@
 
 namespace sideray::bridge {
 
-// Throws Failure (INVALID_ARGUMENT, UNSUPPORTED) where there is no loader, or the struct is of no known version.
+// Throws Failure (INVALID_ARGUMENT, UNSUPPORTED) where there is no loader, or the struct's version is unknown.
 sideray_host_gl read_host(const sideray_host_gl* given);
 
 }  // namespace sideray::bridge

@@ -1,4 +1,4 @@
-// A host's camera in the space of a snapshot, and what the snippet needs to know of it. Any thread.
+// A host's camera in the space of a snapshot, and the values of it that the snippet needs. Any thread.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -12,7 +12,7 @@ namespace sideray::bridge {
 // Throws Failure (INVALID_ARGUMENT) where the matrices are not finite or not each other's inverse.
 void check_view(const sideray_view& view);
 
-// World to local: the snapshot's origin is taken out in double precision.
+// World to local: the snapshot's origin is subtracted in double precision.
 rt::TraceView local_view(const sideray_view& view, glm::dvec3 origin);
 
 // Uniforms of sideray.glsl for a frame of this size and positions measured from `origin` (0 = world space).

@@ -28,7 +28,7 @@ struct RenderOptions {
   bool has_masks() const { return traces_shadows() || (!is_reference && picture.ao != 0); }
 };
 
-// Throws Failure (INVALID_ARGUMENT, UNSUPPORTED) where a struct is of no known version. A part that the caller left out is
+// Throws Failure (INVALID_ARGUMENT, UNSUPPORTED) if a struct's version is unknown. A part that the caller left out is
 // off: no translucency, no shadows, every instance as it is drawn.
 RenderOptions read_render_options(const sideray_render_options* given);
 

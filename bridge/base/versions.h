@@ -27,7 +27,7 @@ inline void require_size(size_t size, size_t known_bytes, const char* name) {
          size, known_bytes);
 }
 
-// Fills the caller's struct as far as the caller knows it, and what only the caller knows with 0.
+// Fills the caller's struct up to its size; fields that only the caller has become 0.
 template <typename T>
 void init_struct(T* out, size_t size, T defaults) noexcept {
   if (!out || size < sizeof(size_t)) return;
@@ -36,8 +36,8 @@ void init_struct(T* out, size_t size, T defaults) noexcept {
   std::memcpy(static_cast<void*>(out), &defaults, std::min(size, sizeof(T)));
 }
 
-// Copies a struct of any version: what an older caller's lacks has its defaults, and what a newer caller's has beyond
-// ours must be 0, for it cannot be obeyed. The copy's size is ours.
+// Copies a struct of any version: fields that an older caller's lacks have their defaults, and those of a newer caller
+// beyond ours must be 0, for they cannot be obeyed. The copy's size is ours.
 template <typename T>
 T read_struct(const T* given, const char* name, void (*init)(T*, size_t)) {
   require(given, name);
@@ -60,7 +60,7 @@ inline sideray_cache_rate read_rate(sideray_cache_rate rate) {
   return rate == SIDERAY_RATE_TEMPORAL4 || rate == SIDERAY_RATE_TEMPORAL8 ? SIDERAY_RATE_FULL : rate;
 }
 
-// Fills the caller's struct as far as the caller knows it; its size stays.
+// Fills the caller's struct up to its size, which stays.
 template <typename T>
 void write_struct(T* out, const T& filled, const char* name) {
   require(out, name);

@@ -81,9 +81,9 @@ class Backend {
   virtual std::vector<glm::vec2> read_motion() = 0;
   // Counts the translucent surfaces of each pixel, up to gl::mask_stencil_bits, whatever the frame itself needed.
   virtual std::vector<uint8_t> count_translucent(const PictureJob& job) = 0;
-  // Returns the frame's layers, of which FramePlan::layers_to_show() says how many there are.
+  // Returns the frame's layers, FramePlan::layers_to_show() of them.
   virtual const rt::LayerCache& read_layers(const PictureJob& job) = 0;
-  // These return what the frame's jobs found; shadows as they light the picture, of which `bytes` are wanted.
+  // These return what the frame's jobs found; shadows: the first `bytes` of them, as they light the picture.
   virtual std::vector<uint8_t> read_shadows(size_t bytes) = 0;
   virtual const rt::OcclusionMasks& masks() const = 0;
   virtual const rt::CompositeImage& composite() const = 0;

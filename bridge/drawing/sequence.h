@@ -44,12 +44,12 @@ class Sequence {
   bool adds() const { return still_.adds(); }
   // Under a budget a position of a still view takes several frames: how many it has taken, this one included; otherwise 0.
   uint32_t position_frames() const { return adds() && has_budget(inputs_.options) ? still_.position_frames() : 0; }
-  // Whether the frame follows the last one: a picture that is added knows nothing of those before. Under a budget it has their
-  // answers until it has its own, so that they are there when something moves.
+  // Whether the frame continues the last one: a picture that is accumulated uses no history. Under a budget it shows
+  // history until it has its own answers, so that they are there when something moves.
   bool follows() const { return !adds() || position_frames() > 0; }
   // Whether it does so, and parts of the picture begin anew, since they see something move: these show the average over time.
   bool begins_tiles() const { return still_.adds() && still_.begins_tiles(); }
-  // The tiles of which the picture is drawn; null: all. Where the others are drawn they show anything.
+  // The tiles that the picture needs; null: all. Others may hold anything.
   std::shared_ptr<const rt::WantedTiles> wanted(const FramePlan& plan);
   // Of these, those in which surfaces are lit anew; in the others masks and reflections are as they were.
   std::shared_ptr<const rt::WantedTiles> wanted_light(const FramePlan& plan);

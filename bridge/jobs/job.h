@@ -21,7 +21,7 @@
 
 namespace sideray::bridge {
 
-// A frame as its jobs know it on either thread.
+// A frame as its jobs see it on either thread.
 struct JobFrame {
   const FrameInputs& inputs;
   sideray_ticket ticket;
@@ -82,9 +82,9 @@ class Job {
   virtual void publish(const JobFrame& frame) = 0;
   virtual uint64_t texture_bytes() const = 0;
 
-  // Learns that the image which was traced last is not going to be uploaded.
+  // Called if the image that was traced last is not going to be uploaded.
   virtual void give_up() {}
-  // Forgets all OpenGL objects without calling OpenGL; there are no outputs any longer.
+  // Drops all OpenGL objects without calling OpenGL; there are no outputs any longer.
   virtual void abandon() = 0;
 };
 

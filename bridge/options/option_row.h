@@ -57,7 +57,7 @@ struct OptionRow {
   const char* (*unread)(const OptionValues&) = nullptr;
   // Why it makes no difference although it is read; nullptr where it may make one.
   const char* (*idle)(const OptionValues&) = nullptr;
-  // The value that draws the same in the scene, where another does; "" = the default. nullptr: none is known.
+  // An equivalent value for the scene, if there is one; "" = the default. nullptr: there is none.
   std::string (*settled)(const OptionValues&, const OptionScene&, const std::string& text) = nullptr;
   // How the value makes pictures depend on those before them; nullptr: it does not.
   sideray_past (*past)(const OptionValues&) = nullptr;

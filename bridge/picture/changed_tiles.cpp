@@ -48,8 +48,9 @@ void add_sprites(const ChangedView& v, const model::Snapshot& snapshot, size_t s
   for (const model::Sprite& sprite : snapshot.particles[system].sprites) add_box(v, rt::bounds_of(sprite), tiles);
 }
 
-// Sets the tiles that show a translucent surface. Where rays found no answer it is shaded by the rasterizer, whose shadow maps
-// change with whatever casts one, and which refracts what other pixels show; and the rays of its pixels are lent to others.
+// Sets the tiles that show a translucent surface. Where rays found no answer it is shaded by the rasterizer, whose
+// shadow maps change with whatever casts one, and which refracts what other pixels show; and its pixels are donors to
+// others.
 void add_translucent(const ChangedView& v, const model::Snapshot& snapshot, Tiles& tiles) {
   for (const model::Instance& instance : snapshot.instances)
     if (snapshot.materials[instance.material].translucent) add_box(v, instance.bounds, tiles);
@@ -133,7 +134,7 @@ std::vector<uint8_t> tiles_that_see(std::span<const rt::Mover> movers, const Cha
   };
   for (const rt::Mover& mover : movers) {
     if (mover.kind == Kind::sprites) {
-      // They throw no shadow, and no straight ray meets them.
+      // They cast no shadow, and no straight ray hits them.
       for (const model::Snapshot* snapshot : {&v.before, &v.now}) add_sprites(v, *snapshot, mover.index, over);
       add_meeting(&rt::TileReach::meets_sprites, mover, by_layers);
     } else if (mover.kind == Kind::light) {

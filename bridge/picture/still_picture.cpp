@@ -98,8 +98,8 @@ void StillPicture::begin_with(const std::vector<glm::vec4>& picture, uint32_t av
   }
 }
 
-// The picture from before counts less with each position and no longer with the last, so that what is shown never jumps. Sums
-// are exact but for a part in 2^53, so that they are the same from whichever position a tile began.
+// The picture from before counts less with each position and no longer with the last, so that what is shown never
+// jumps. Sums are exact to a part in 2^53, so that they do not depend on the position from which a tile began.
 const std::vector<glm::vec4>& StillPicture::add(const std::vector<glm::vec4>& drawn, const std::vector<glm::vec4>& average) {
   waits_ = false;
   shown_.resize(drawn.size());

@@ -18,8 +18,8 @@ class StillPicture {
   void restart(uint32_t seed, uint32_t width, uint32_t height);
   // The last picture is drawn once more.
   void repeat();
-  // It is so but for tiles that have changed (TileChange, of rt::frame_tile_size), which begin anew. Those that are drawn over
-  // again and again rest in most of these pictures: what lights the surfaces there is as it was last.
+  // Except in tiles that have changed (TileChange, of rt::frame_tile_size), which begin anew. Tiles that change again
+  // and again are lit anew in a few of these pictures only.
   void repeat_without(const std::vector<uint8_t>& changes);
 
   // Whether the picture is drawn from position() and added to those before; otherwise it is drawn as any other is.

@@ -125,7 +125,7 @@ uint32_t masked_lights(const model::Snapshot& snapshot, const RenderOptions& o) 
 }
 
 // The radiance that a light has to add to a white, matt surface to have a shadow ray there: 1/512 of white as it is
-// shown. A picture that is shown darker may be kept, and be shown brighter later. Under few lights hardly any ray is
+// shown. A picture that is shown darker may be stored, and be shown brighter later. Under few lights hardly any ray is
 // saved, and of more lights than have masks of their own each adds so little that errors sum up
 // (docs/adr/0039-least-light.md).
 float least_light_of(const model::Snapshot& snapshot, const RenderOptions& o) {

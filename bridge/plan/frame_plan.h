@@ -46,7 +46,7 @@ struct FramePlan {
   bool averages;       // with the pictures before: temporal anti-aliasing
   bool motion;         // how what is seen moved is needed
   bool marks_inexact;  // some surface takes the inexact shadow test
-  bool fills_rest;     // and needs to know where rays hit it
+  bool fills_rest;     // and needs the place where rays hit it
   bool without_color;  // nothing is lit, and the average is left out
   bool ground_truth;   // channels of it are shown, by rays of their own beside the frame's
   bool masks_shadows() const { return masks.shadow_lights != 0 || masks.combined_lights; }

@@ -193,7 +193,7 @@ RayBackend::RayBackend(std::string reason) {
   info_.reason = std::move(reason);
 }
 
-// Jobs recognize what they kept by the revision of a scene, and two scenes may have the same.
+// Jobs recognize their history by the revision of a scene, and two scenes may have the same.
 void RayBackend::set_tracer(sideray_tracer* tracer) {
   if (tracer != tracer_) jobs_ = std::make_unique<Jobs>();
   tracer_ = tracer;

@@ -39,8 +39,8 @@ std::vector<FramePosition> measured_positions(const PictureJob& job) {
   return positions;
 }
 
-// Whether shadow maps and masks of what has not moved since the frame before are made anew, as if there were none. What
-// the picture itself has kept of the pictures before it stays in either case.
+// Whether shadow maps and masks of what has not moved since the previous frame are made anew. What the picture itself
+// reuses of earlier pictures stays in either case.
 enum class Still { made, kept };
 
 FrameCounters draw_all(PictureJob& job, const std::vector<FramePosition>& positions, FrameTimer& timer,

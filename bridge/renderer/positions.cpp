@@ -15,7 +15,7 @@ void add_to(std::vector<Sum>& sum, const std::vector<T>& values) {
   for (size_t i = 0; i < values.size(); ++i) sum[i] += Sum(values[i]);
 }
 
-// The sums are exact but for a part in 2^53, so that still views, which take the positions in any order, have the same.
+// The sums are exact to a part in 2^53, so that still views, which take the positions in any order, have the same.
 std::vector<glm::vec4> mean_of(const std::vector<glm::dvec4>& sum, uint32_t positions) {
   std::vector<glm::vec4> mean(sum.size());
   for (size_t i = 0; i < sum.size(); ++i) mean[i] = glm::vec4(sum[i] / static_cast<double>(positions));

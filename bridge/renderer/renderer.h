@@ -1,6 +1,6 @@
-// The offscreen tier: what draws frames (bridge/drawing/backend.h) and what is kept from picture to picture. One thread at a
-// time; where OpenGL draws, a headless context is made current in every call and released after it, a host's is current in
-// every call, and its state is put back after it.
+// The offscreen tier: what draws frames (bridge/drawing/backend.h) and the state between pictures. One thread at a
+// time; where OpenGL draws, a headless context is made current in every call and released after it, a host's is current
+// in every call, and its state is put back after it.
 #pragma once
 
 #include <sideray/renderer.h>

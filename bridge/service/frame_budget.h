@@ -24,11 +24,11 @@ class FrameBudget {
   // Jobs of a frame of a view are about to come, by their index in ServiceView::jobs; and one of them has ended otherwise.
   void expect(uint32_t view_id, size_t job);
   void drop(uint32_t view_id, size_t job);
-  // Returns when a frame is to be finished whose depth is there. Views whose frames come before that share it; the next frame
-  // of the same view begins anew.
+  // Returns when a frame with mapped depth is to be finished. Frames of other views that come before that share the
+  // budget; the next frame of the same view begins another.
   Time begin(uint32_t view_id, double budget_ms);
 
-  // What a job is told, and what it has made of it.
+  // The time that a job gets, and what it used of it.
   struct Turn {
     Time begun, stop;  // no ray begins after that
     bool starved;      // there was no time left for rays

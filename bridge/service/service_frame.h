@@ -51,7 +51,7 @@ struct ServiceFrame {
   std::shared_ptr<const model::Snapshot> snapshot;  // the scene as it was when the frame was submitted
   Readback readback;
   rt::DepthImage depth{};
-  Stopwatch watch;  // from the issue of the readback on
+  Stopwatch watch;  // since the readback was issued
   std::atomic<bool> cancelled{false};
   rt::Deadline end;  // when a frame with a budget is to be finished
   std::array<JobRun, job_count> runs;  // of ServiceView::jobs

@@ -7,7 +7,7 @@
 namespace sideray::bridge {
 namespace {
 
-// Depth and stencil one by one, since EXT_framebuffer_object knows no attachment of both.
+// Depth and stencil one by one, since EXT_framebuffer_object has no attachment of both.
 void attach(const gl::Functions& gl, GLenum attachment, const sideray_frame_source& in) {
   if (in.depth_renderbuffer != 0)
     gl.FramebufferRenderbuffer(gl.read_framebuffer, attachment, GL_RENDERBUFFER, in.depth_renderbuffer);

@@ -1,5 +1,5 @@
-// Decides which processors the threads that we start may run on. Threads inherit that from whoever starts them, and
-// hosts pin their drawing thread to one; tracing threads must not share it. Any thread may call it.
+// Decides which processors the threads that we start may run on. Threads inherit that from the thread that starts them,
+// and hosts pin their drawing thread to one; tracing threads must not share it. Any thread may call it.
 #pragma once
 
 #include <cstdint>

@@ -56,7 +56,7 @@ class WorkClock {
   WorkClock& operator=(const WorkClock&) = delete;
 
   // Runs a piece, or returns false where there is no time for it. `number`: in the order in which pieces are taken, so
-  // that who is run is the same for any number of threads where pieces are counted.
+  // that the same pieces run for any number of threads where pieces are counted.
   template <typename Work>
   bool run(size_t number, const Work& work) {
     if (!may_begin(number)) return false;
@@ -88,9 +88,8 @@ class WorkClock {
 };
 
 // Orders chunks of pixels from the middle of the picture outward, those whose masks count many surfaces earlier. The
-// order is the same in every frame, whatever was given up in the last one: where nothing is kept of frames before, chunks
-// that took turns would flicker between their ray-traced and their raster look.
-// `starts`: each chunk's first pixel, and behind the last.
+// order is the same in every frame, whatever the last one left out: without history, chunks that took turns would
+// flicker between their ray-traced and their raster look. `starts`: each chunk's first pixel, and behind the last.
 std::vector<uint32_t> order_of_importance(std::span<const PixelRequest> pixels, std::span<const uint32_t> starts,
                                           uint32_t width, uint32_t height);
 // Orders square tiles, row by row, in the same way.

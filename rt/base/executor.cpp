@@ -29,7 +29,7 @@ uint32_t thread_count(uint32_t wanted) {
   return wanted ? wanted : cpu_count();
 }
 
-// The executor in a run of which this thread works, and as which worker.
+// The executor for which this thread works at the moment, and its number there.
 struct Running {
   const Executor* executor = nullptr;
   uint32_t worker = 0;
@@ -123,8 +123,8 @@ struct Executor::Arena : AllowAllCpus, tbb::task_arena {
   explicit Arena(uint32_t threads) : tbb::task_arena(static_cast<int>(threads)), unpinned(*this) {}
   Unpinned unpinned;
 
-  // TBB keeps 7 kB of every arena that has worked once it is gone (2021.8): they are kept instead, and used again. So
-  // there are as many as executors were alive at once.
+  // TBB leaks 7 kB of every destroyed arena that has worked (2021.8), so arenas are pooled. There are as many as
+  // executors were alive at once.
   struct Idle {
     std::mutex mutex;
     std::multimap<uint32_t, std::unique_ptr<Arena>> by_threads;

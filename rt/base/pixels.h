@@ -12,7 +12,7 @@ inline constexpr uint32_t unlimited_layers = 0xffffffffu;
 struct PixelRequest {
   uint16_t x, y;
   uint32_t layers;        // at least 1, or unlimited_layers
-  uint16_t end_x, end_y;  // the pixel whose depth ends the ray: itself, or one that it answers for
+  uint16_t end_x, end_y;  // the pixel whose depth ends the ray: itself, or one that it represents
 };
 
 struct FramePixels {
@@ -21,7 +21,7 @@ struct FramePixels {
   // Pixels, and layers, that the mask requests, traced or not; the layers of unlimited pixels are left out.
   uint64_t masked, requested;
 
-  // Scratch memory, kept from frame to frame: what a row of tiles has.
+  // Scratch memory of a row of tiles, reused by the next frame.
   struct Row {
     std::vector<PixelRequest> pixels;
     size_t first = 0;  // where they begin in the frame's

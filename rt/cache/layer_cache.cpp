@@ -112,7 +112,7 @@ void WholePixels::meet(uint32_t pixel, const SurfacePoint& point, const RayHit& 
   p.sure = p.sure && !sways && is_off_edges(*scene_, met.hit, met.ray, near);
 }
 
-// Surfaces may be hit out of order: what attenuates each is known at the end.
+// Surfaces may be hit out of order, so attenuation is computed at the end.
 void WholePixels::weigh(Pixel& pixel) {
   for (uint32_t layer = 0; layer < pixel.met; ++layer) {
     const glm::vec3 through = pixel.weights[layer];

@@ -15,16 +15,16 @@
 namespace sideray::rt {
 
 // Sizes the target, clears the tiles traced in the last frame and those about to be, and marks both as dirty. A second
-// wave keeps what the cache holds, and marks its own tiles alone. `traced`: tiles of which pixels are traced, as the others keep
-// what they hold; empty: all.
+// wave leaves the cache as it is, and marks its own tiles alone. `traced`: tiles with traced pixels, while the others
+// stay as they are; empty: all.
 void begin_cache(const CacheRequest& request, const std::vector<uint8_t>& tiles, const std::vector<uint8_t>& traced,
                  Executor& executor, LayerCache& cache);
 
-// Returns how many surfaces the mask counts at a pixel; 0 = that is not known, or there are others too.
+// Returns how many surfaces the mask counts at a pixel; 0 = there is no count, or other surfaces are drawn too.
 uint32_t counted_surfaces(const CacheRequest& request, uint32_t x, uint32_t y);
 
 // Finds the whole pixels of a chunk: those where the rays hit as many surfaces as the mask counts, each of them so far
-// off the edges of the triangle hit that the rasterizer is sure to draw it too. Then both know of the same surfaces, and
+// off the edges of the triangle hit that the rasterizer is sure to draw it too. Then both have the same surfaces, and
 // the pixel can be composited along its ray. Scratch memory: one object a thread.
 class WholePixels {
  public:
@@ -62,7 +62,7 @@ void composite_whole(const WholePixels::Pixel& pixel, LayerCache& cache);
 class CacheSink final : public LayerSink {
  public:
   // `rough` receives what is to be filtered; null: nothing is filtered. `whole` has begun; null: no pixel is whole.
-  // `older` is called for the surfaces; null: nothing is, and the cache is empty where the chunk's pixels are.
+  // `older` receives the surfaces; null: there is no history, and the cache is empty at the chunk's pixels.
   CacheSink(LayerCache& cache, const model::Snapshot& snapshot, LayerFilter::Chunk* rough, WholePixels* whole,
             OlderLayers* older)
       : cache_(cache), snapshot_(snapshot), rough_(rough), whole_(whole), older_(older) {}

@@ -13,7 +13,7 @@ inline constexpr int32_t kept_steps = 2;  // passes whose neighbours are needed 
 // The filter's radius is this share of the lobe's: what is reflected gets wider by sqrt(1 + share^2), 12 %.
 inline constexpr float share_of_lobe = 0.5f;
 
-// Refers to what is known of layers, one array a component. Sixteen values before each array and behind it may be read;
+// Refers to the data of layers, one array a component. Sixteen values before each array and behind it may be read;
 // those of the last sixteen that are no layers may be written.
 struct LayerColumns {
   float *position[3], *normal[3], *geometric_normal[3];
@@ -21,7 +21,7 @@ struct LayerColumns {
   float *width, *spread;         // of the pixel there, world units; and per unit of distance
   float* nearness;               // of what is reflected
   float* lobe;                   // the lobe's radius at distance 1, by the filter's share
-  float* reach;                  // how far, in world units, neighbours reflect about the same; negative: not filtered
+  float* reach;                  // world units over which neighbours reflect alike; negative: not filtered
   float* reflected[4];           // radiance; w: 1 where a surface was hit, 0 where the environment was
   float* filtered[4];            // what a pass makes of it
   int32_t* surface;              // id; its complement for what is seen through it

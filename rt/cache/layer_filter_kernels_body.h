@@ -48,7 +48,7 @@ SIDERAY_LANE real bell(real q) {
   return rest * rest * rest * rest;
 }
 
-// Holds sixteen layers, as far as lanes go, whose neighbours are sought.
+// Holds up to sixteen layers for which neighbours are searched.
 struct Centre {
   real3 position, geometric_normal;
   integer surface;
@@ -75,8 +75,8 @@ SIDERAY_LANE void find_heads(const LayerColumns& c, int32_t at, int32_t step, bo
   });
 }
 
-// Returns the layer of the pixel whose first is `head` that is on the same part of the same surface, or none. That is
-// one near the plane of the other, but for the deviation that a curve through both explains.
+// Returns the layer of the pixel that begins at `head` and lies on the same part of the same surface, or none: within
+// the plane of the other, except for the deviation of a curve through both.
 SIDERAY_LANE integer like(const LayerColumns& c, const Centre& a, integer head) {
   constexpr float flat = 0.05f, most_bend = 0.5f;
   integer candidate = head, best(-1);

@@ -65,8 +65,8 @@ void LayerTracing::check(const CacheRequest& request, const LayerCache& cache) c
          request.width, request.height, request.max_layers, cache.width, cache.height, cache.layers);
 }
 
-// Pixels of a chunk answer for each other: it is traced as a whole, where any of its tiles is needed. Returns the tiles of
-// which pixels are traced, or are to be empty; empty: all.
+// Pixels of a chunk are donors to each other: it is traced as a whole if any of its tiles is needed. Returns the tiles
+// with pixels to trace or to clear; empty: all.
 std::vector<uint8_t> LayerTracing::choose_chunks(const CacheRequest& request) {
   chosen_.clear();
   const std::vector<uint8_t> needed = traced_tiles(request.wanted, request.width, read_around);
@@ -82,7 +82,7 @@ std::vector<uint8_t> LayerTracing::choose_chunks(const CacheRequest& request) {
   return traced;
 }
 
-// Older answers are known of a cache that they alone prepare.
+// The history must own clearing the cache; otherwise it is reset.
 void LayerTracing::prepare(const CacheRequest& request, TracedScene& scene, LayerCache& cache) {
   if (!takes_older(request)) {
     begin_cache(request, chunks_.frame().tiles, choose_chunks(request), scene.executor(), cache);
@@ -138,7 +138,8 @@ void LayerTracing::composite_filtered(Executor& executor, LayerCache& cache) {
   });
 }
 
-// Lets straight rays end where light is bent, and says what is hit from there on: everything that the frame shows.
+// Lets straight rays end at the first surface that bends light; refracted rays then hit everything that the frame
+// shows.
 void LayerTracing::refract(const CacheRequest& request, TracedScene& scene, FrameContext& straight, Bent& bent) {
   scene.place_sprites(request.view, request.height);
   const RefractionScene& refracted = refraction_.of(scene.shading().snapshot);

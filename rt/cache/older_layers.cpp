@@ -381,7 +381,7 @@ void OlderLayers::fill_hole(const Passage& passage, glm::uvec2 at, glm::uvec2 fr
   }
 }
 
-// Empties pixels whose answers are too old. Tiles that hold none of them are not looked at.
+// Clears pixels whose history has expired. Tiles that hold none of them are not looked at.
 void OlderLayers::drop_old(const Passage& passage) {
   const uint32_t columns = tile_count(passage.request.width);
   const auto is_old = [&](uint32_t traced_in) { return traced_in != 0 && state_ - traced_in > oldest; };

@@ -21,7 +21,7 @@
 
 namespace sideray::rt {
 
-// Returns whether older answers serve a request: one under a deadline whose every masked pixel is traced.
+// Returns whether a request uses history: it has a deadline and traces every masked pixel.
 bool takes_older(const CacheRequest& request);
 
 class OlderLayers {
@@ -29,14 +29,14 @@ class OlderLayers {
   // So many frames in which something has changed an answer outlives; frames in which nothing has do not count.
   static constexpr uint32_t oldest = 120;
 
-  // Makes the cache ready for the request's frame, as begin_cache() does, but for what can be kept. A frame that follows
-  // none, a change of lights, environment, materials, textures, triangles, names or options leaves nothing. Texels that keep
-  // their place keep their bits. Those that were moved along have an alpha of moved_alpha in place of 1, and no pixel with
-  // one is whole. `posed`: the snapshot that rays hit; `committed`: without poses.
+  // Clears the cache for the request's frame, as begin_cache() does, except for history that can be reused. A frame
+  // that does not continue, and a change of lights, environment, materials, textures, triangles, names or options,
+  // reset the history. Texels that stay in place keep their bits. Reprojected ones have an alpha of moved_alpha instead
+  // of 1, and no pixel with one is whole. `posed`: the snapshot that rays hit; `committed`: without poses.
   void begin(const CacheRequest& request, std::shared_ptr<const model::Snapshot> posed,
              std::shared_ptr<const model::Snapshot> committed, const FramePixels& pixels, Executor& executor,
              LayerCache& cache);
-  // Nothing of the cache is known any longer.
+  // Resets the history.
   void forget() { known_ = has_moved_ = false; }
   // Returns whether the cache may hold layers that were moved along.
   bool has_moved() const { return has_moved_; }
@@ -53,15 +53,15 @@ class OlderLayers {
   uint64_t leave(std::span<const PixelRequest> pixels, Counters& counters) const;
 
  private:
-  // What is known of a layer besides the cache. The place where it was traced, from the middle of its pixel, in 4096ths
-  // of a pixel: layers that were moved stay where they are to a fraction, however often they are moved.
+  // The history of a layer besides the cache: the place where it was traced, from the middle of its pixel, in 4096ths
+  // of a pixel, so that repeated reprojection does not accumulate rounding.
   struct Surface {
     int16_t normal[2] = {0, 0};
     int16_t off[2] = {0, 0};
   };
   // How an instance has moved since the frame before.
   struct Motion {
-    bool lost;  // its vertices have changed: where its surfaces are is not known
+    bool lost;  // its vertices have changed, so its surfaces cannot be reprojected
     glm::dmat4 now_from_then;
     glm::dmat3 normal_now_from_then;
   };
@@ -106,7 +106,7 @@ class OlderLayers {
   std::shared_ptr<const model::Snapshot> posed_, committed_;
   FrameCamera camera_;  // that the layers are seen by
   uint32_t number_ = 0, state_ = 0;  // of the frame, and of what is seen: it grows where something has changed
-  uint32_t state_began_ = 0;         // the number of the frame that it has grown in last
+  uint32_t state_began_ = 0;         // number of the last frame in which it grew
   std::vector<uint32_t> traced_in_;  // of each pixel: the state that its oldest layer is of; 0 = it shows nothing
   std::vector<uint32_t> turns_;      // of each block of pixels: the number of the frame that traced it last
   std::vector<uint32_t> tile_oldest_;  // of each tile: not above the least of traced_in_; 0 = none is above 0

@@ -24,8 +24,8 @@ class CompositeSink final : public LayerSink {
   struct Pixel {
     glm::vec3 radiance, half_difference, transmittance;
   };
-  // exact: stores the mean of the two estimates of each radiance and half of their difference; goes to the last surface
-  // of which anything can be seen.
+  // exact: stores the mean of the two estimates of each radiance and half of their difference; continues to the last
+  // visible surface.
   CompositeSink(CompositeImage& image, std::vector<Pixel>& scratch, bool exact)
       : image_(image), pixels_(scratch), exact_(exact) {}
   void begin(std::span<const PixelRequest> pixels) override;

@@ -44,7 +44,7 @@ class FilteredSurfaces {
 class FilteredSink final : public LayerSink {
  public:
   struct Pixel {
-    static constexpr uint32_t most_told = 8;  // surfaces whose weights are known when they turn out to be rough
+    static constexpr uint32_t most_told = 8;  // surfaces that may turn out to be rough
     glm::vec3 radiance, transmittance;
     std::array<glm::vec3, most_told> weights;
     uint32_t rough;                                       // surfaces that wait

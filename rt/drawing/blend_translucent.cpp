@@ -15,10 +15,10 @@ namespace {
 
 // Maps of tints are for opaque receivers: fragments have none.
 constexpr bool tints = false;
-// Of the light of a pixel that still gets through, less than this is not seen.
+// A pixel with less transmittance than this is opaque.
 constexpr float least_let_through = 1e-4f;
 
-// What is before a pixel's opaque surface, so far.
+// What is accumulated in front of a pixel's opaque surface.
 struct Veil {
   glm::vec3 radiance{0.0f}, through{1.0f};
   float see_through = 1.0f;  // of alpha, which each surface lets through by the mean of its channels
@@ -131,7 +131,7 @@ Counters blend_translucent(const BlendRequest& r, TracedScene& scene, std::vecto
              },
              {}, unread);
   for (const BlendWorker& worker : workers) traced += worker.counters;
-  // No layer is kept that the other counters could count.
+  // No layer is stored, so the other counters stay 0.
   Counters rays;
   rays.rays_primary = traced.rays_primary;
   rays.rays_shadow = traced.rays_shadow;

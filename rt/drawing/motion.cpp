@@ -12,7 +12,7 @@ namespace {
 
 constexpr double least_w = 1e-6;  // what was nearer to the eye's plane, or behind it, comes from far outside
 
-// What is known of an instance in the frame before.
+// An instance in the previous frame.
 struct Before {
   const model::Instance* then = nullptr;  // null: it stood where it stands
   const model::Mesh* shape = nullptr;     // null: its vertices were where they are

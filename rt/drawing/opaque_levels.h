@@ -22,7 +22,7 @@ class OpaqueLevels {
   glm::vec2 middle(glm::uvec2 pixel) const {
     return (glm::vec2(pixel) + 0.5f) / glm::vec2(levels_[0].width, levels_[0].height);
   }
-  // Returns the level of which a texel is as high as the picture.
+  // Returns the level at which one texel is as high as the picture.
   float coarsest() const { return coarsest_; }
 
  private:

@@ -122,7 +122,7 @@ class LightPass {
       const uint16_t* halfs = &request_.mirrored->radiance[size_t{4} * w.texels[i]];
       AroundBlock& a = around[i / block_size];
       const size_t lane = i % block_size;
-      // Rays toward mirror directions know round lobes only.
+      // Rays toward mirror directions support round lobes only.
       if (halfs[3] == 0 || (a.brushed >> lane & 1u) != 0) continue;
       const glm::vec3 seen(imath_half_to_float(halfs[0]), imath_half_to_float(halfs[1]), imath_half_to_float(halfs[2]));
       set_vector(a.specular, lane, glm::mix(vector_at(a.specular, lane), seen, imath_half_to_float(halfs[3])));

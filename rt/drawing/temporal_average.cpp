@@ -122,7 +122,7 @@ class TemporalAverage::Pass {
     return deepest < same_distance * distance;
   }
 
-  // Samples the past between the centres of its texels.
+  // Samples the history between the centres of its texels.
   glm::vec4 past_at(glm::vec2 texel) const {
     const glm::vec2 place = texel - 0.5f, corner = glm::floor(place), share = place - corner;
     const glm::ivec2 p(corner);

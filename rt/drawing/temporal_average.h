@@ -20,13 +20,13 @@ struct AverageRequest {
 
 class TemporalAverage {
  public:
-  // Averages `picture` with the last one kept, if there is one and the frame follows it.
+  // Averages `picture` with the history, if there is one and the frame continues it.
   void average(const AverageRequest& request, const OpaquePixels& pixels, const std::vector<glm::vec2>& motion,
                Executor& executor, std::vector<glm::vec4>& picture);
-  // Makes what was averaged last the past of the next picture.
+  // Makes the last average the history of the next picture.
   void keep();
   void forget() { has_past_ = false; }
-  // Puts a picture in the place of the one kept, which then counts for as many pictures as there can be.
+  // Replaces the history by a picture, with the largest possible weight.
   void replace(const std::vector<glm::vec4>& picture);
 
  private:

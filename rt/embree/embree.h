@@ -1,5 +1,5 @@
 // Includes Embree, whichever version there is (3.13 or 4), and evens out what differs between them for packets of 16,
-// 8, 4 and 1 rays; no other header knows the version. Any thread may use it.
+// 8, 4 and 1 rays; no other header depends on the version. Any thread may use it.
 #pragma once
 
 #if __has_include(<embree4/rtcore.h>) && !__has_include(<embree3/rtcore.h>)

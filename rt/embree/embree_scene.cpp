@@ -247,8 +247,8 @@ std::shared_ptr<MeshScene> with_vertices(RTCDevice device, const std::shared_ptr
   return before;
 }
 
-// Returns the scenes before whose mesh is not in this snapshot any more, by the names of their meshes: a new mesh of
-// the same name and triangles may take one of them over.
+// Returns the previous scenes of meshes that are not in this snapshot any more, by mesh name: a new mesh of the same
+// name and triangles may reuse one of them.
 std::unordered_map<uint32_t, std::shared_ptr<MeshScene>> left_behind(const model::Snapshot& snapshot,
                                                                      const MeshScenes& before) {
   std::unordered_set<const model::Mesh*> present;

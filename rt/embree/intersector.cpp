@@ -75,8 +75,8 @@ struct OcclusionQuery : embree::Query {
   size_t first = 0;
   bool cut_outs = false;
   const float *begin = nullptr, *end = nullptr;  // RayPacket's
-  uint32_t open = 0;                             // rays, as bits, that have met something near an edge
-  std::array<double, most_packet_lanes> offset;  // theirs, as edge_offset() gives it
+  uint32_t open = 0;                             // rays, as bits, that have hit something near an edge
+  std::array<double, most_packet_lanes> offset;  // their offset, as edge_offset() returns it
 
   Ray ray(uint32_t i) const { return columns ? (*columns)[first + i] : rays[i]; }
 };

@@ -42,9 +42,9 @@ class Intersector {
   // coherent: rays of neighbouring pixels, in 4x4 order. layers <= 64. cull = false: backs too, whatever the material.
   void nearest_layers(LayerSet set, std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
                       uint32_t* counts, Cone cone = {}, bool cull = true) const;
-  // Finds the nearest translucent surface of each ray and those that are at its place, as nearest_layers() finds the first
-  // four: hits[i * most_at_place + k], counts[i] of them. Up to known[i] along the ray there are no others: rounding leaves
-  // open what is right behind them. Infinite: there are none at all.
+  // Finds the nearest translucent surface of each ray and those that are at its place, as nearest_layers() finds the
+  // first four: hits[i * most_at_place + k], counts[i] of them. Up to known[i] along the ray there are no others; right
+  // behind them rounding does not decide. Infinite: there are none at all.
   static constexpr uint32_t most_at_place = 4;
   void nearest_places(LayerSet set, std::span<const Ray> rays, bool coherent, Hit* hits, uint32_t* counts,
                       double* known, Cone cone = {}, bool cull = true) const;

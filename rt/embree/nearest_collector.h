@@ -24,7 +24,7 @@ struct NearestBlock {
   alignas(64) uint32_t instance[size], primitive[size];
   alignas(64) float margin[size], back[size], begin[size], distance_of_unit[size];  // as in Lane
 
-  alignas(64) int close[size];  // not 0: note() could not tell whether this hit counts, or whether it is nearer
+  alignas(64) int close[size];  // not 0: note() could not decide whether this hit counts, or whether it is nearer
 
   // finish() writes these for each candidate.
   alignas(64) float distance[size], u[size], v[size];
@@ -32,8 +32,8 @@ struct NearestBlock {
 
   void clear();
   // Keeps hits that are nearer than all before by more than rounding, narrows the ends of their lanes and rejects the
-  // others. Returns whether some of those are `close` to their lane's candidate or to the ray's beginning: once it is known
-  // that they count, they need a list.
+  // others. Returns whether some of those are `close` to their lane's candidate or to the ray's beginning: if they
+  // count, they need a list.
   bool note(const NamedHits& hits, uint32_t width);
   // Returns the lanes, as bits, that hold an only candidate.
   uint32_t occupied() const;

@@ -92,7 +92,7 @@ void trace_layers(const TraceTable& table, const TopLevel& top, uint32_t mask, L
   }
 }
 
-// Notes all that the rays of a packet meet, in any order: nothing has to be sorted while Embree traverses.
+// Notes all hits of a packet's rays, in any order: nothing has to be sorted while Embree traverses.
 struct GatherQuery : embree::Query {
   // More surfaces on a ray are rare.
   static constexpr uint32_t room = 32;

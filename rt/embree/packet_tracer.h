@@ -65,8 +65,9 @@ inline bool discarded(const TraceTable& table, const Ray& ray, const Candidate& 
          alpha_discards(*table.snapshot, instance, ray, hit, cone);
 }
 
-// Returns whether a candidate that may lie before its ray's beginning does, and so does not count. Mostly it is the surface
-// that the ray comes from: kept, it would take the place of one that counts, and the ray would have to be traced again.
+// Returns whether a candidate near its ray's beginning lies before it, and so does not count. Mostly it is the surface
+// that the ray starts on: if it stayed in the list, it would displace one that counts, and the ray would have to be
+// traced again.
 inline bool lies_before(const TraceTable& table, const Ray& ray, float begin, const Candidate& candidate) {
   if (candidate.t > begin) return false;
   Hit hit;
@@ -159,8 +160,8 @@ class PacketTracer {
     query_.rules = rules;
   }
 
-  // `known`, where it is not null, receives up to where on each ray there are no other surfaces, and hits behind that are
-  // left out, but for the first.
+  // `known`, if not null, receives the distance up to which each ray has no other surfaces; hits behind it are left
+  // out, except the first.
   void trace(std::span<const Ray> rays, Hit* hits, uint32_t* counts, double* known = nullptr) {
     const auto count = static_cast<uint32_t>(rays.size());
     query_.rays = rays;
@@ -241,7 +242,7 @@ class PacketTracer {
     }
   }
 
-  // Returns up to where all is known on the ray of a lane, and leaves out its hits behind that, but for the first.
+  // Returns the distance up to which a lane's hits are complete, and drops its hits behind that, except the first.
   double cut_to_known(uint32_t i, float limit, uint32_t& count) const {
     if (count == 0) return std::numeric_limits<double>::infinity();
     // What was rejected, farther than the limit, may be nearer than Embree said by half the margin.

@@ -165,12 +165,12 @@ RayBundle rays_beside(const Ray& ray, double offset) {
 
 namespace {
 
-// Where a ray of the bundle meets one of the triangles; the slope is that of slope_of().
+// Where a ray of the bundle hits one of the triangles; the slope is that of slope_of().
 struct MetPlane {
   double t, slope;
 };
 
-// Where the ray itself meets one, or passes by within rounding.
+// Where the ray itself hits one, or passes by within rounding.
 struct OpenHit {
   NamedTriangle named;
   PlaneHit plane;
@@ -210,7 +210,8 @@ void decide_near_edges(const TraceTable& table, const RayBundle& rays, double of
     });
   };
   hits.clear();
-  // Of a sliver at a corner Embree may have named but its neighbours, which the ray itself does not meet: one of them will do.
+  // At a sliver in a corner Embree may have named only its neighbours, which the ray itself does not hit: one of them
+  // takes the hit.
   const auto add = [&](const OpenHit& o) {
     Hit hit;
     if (o.beside && std::any_of(met[0].begin(), met[0].end(), [&](const MetPlane& m) { return is_at(m, o); })) return;

@@ -115,20 +115,20 @@ inline double edge_offset(const TraceTable& table, const Ray& ray, std::span<con
   return offset;
 }
 
-// Holds a ray, and those that are parallel to it around it: as many as fill a packet, and close enough to each other that
-// one of them meets each triangle of an ordinary corner.
+// Holds a ray, and those that are parallel to it around it: as many as fill a packet, and close enough to each other
+// that every triangle of an ordinary corner is hit by one of them.
 using RayBundle = std::array<Ray, 8>;
 RayBundle rays_beside(const Ray& ray, double offset);
 
-// Decides what the first ray hits, among triangles of which Embree named some for it and some for those beside it: the
-// triangles that it hits in double precision, but near an edge only where all of them hit something at that distance. A ray
-// near a surface's border misses it, whatever Embree says; within a surface, or between two that touch, it hits exactly
-// what arithmetic in double finds. Hits are in no order, backs and holes among them.
+// Decides what the first ray hits, among the triangles that Embree named for it and for those beside it: it hits those
+// that it hits in double precision, near an edge only if all rays hit something at that distance. A ray near a
+// surface's border misses it, whatever Embree says; within a surface, or between two that touch, it hits exactly what
+// arithmetic in double finds. Hits are in no order, backs and holes among them.
 void decide_near_edges(const TraceTable& table, const RayBundle& rays, double offset,
                        std::span<const NamedTriangle> named, std::vector<Hit>& hits);
 
-// What is known of a triangle that Embree named, by itself: open: the ray passes so close by an edge that only
-// decide_near_edges() can tell, with the offset that is set.
+// The verdict on a triangle that Embree named, by itself. open: the ray passes so close by an edge that only
+// decide_near_edges() can decide, with the offset that is set.
 enum class Meeting { hit, miss, open };
 Meeting decide_alone(const TraceTable& table, const Ray& ray, NamedTriangle named, Hit& hit, double& offset);
 

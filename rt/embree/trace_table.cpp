@@ -37,7 +37,7 @@ TraceTable build_trace_table(std::shared_ptr<const model::Snapshot> snapshot, co
   for (const model::Instance& instance : snapshot->instances) {
     const model::Mesh& mesh = *snapshot->meshes[instance.mesh];
     const model::Material& material = snapshot->materials[instance.material];
-    // Vertex alpha belongs to the mesh, so the material's own flag may not know of it.
+    // Vertex alpha belongs to the mesh, so the material's own flag does not include it.
     const bool vertex_alpha = material.desc.alpha_mode != SIDERAY_OPAQUE && mesh.has_colors;
     TraceInstance entry{.columns = {},
                         .positions = mesh.positions.data(),

@@ -18,9 +18,10 @@ struct SeenPlane {
   glm::dvec3 normal;
 };
 
-// A point at a depth along the camera's axis is origin + x * origin_x + y * origin_y + depth * (ray + x * ray_x + y * ray_y).
-// In perspective rays differ and start at the eye; in an orthographic view they are one and start at its plane, of which the
-// eye lies so far behind that depth there compares as it does in perspective: by the picture's height.
+// A point at a depth along the camera's axis is origin + x * origin_x + y * origin_y + depth * (ray + x * ray_x + y *
+// ray_y). In perspective rays differ and start at the eye; in an orthographic view they are parallel and start at its
+// plane. The eye is put as far behind that plane as the picture is high, so that depths compare as they do in
+// perspective.
 struct FrameCamera {
   bool perspective = true, zero_to_one = false, reversed = false;
   glm::dvec2 size{1.0};  // of the picture, in pixels

@@ -22,7 +22,7 @@ PictureHash hash_of(size_t count, const ValueAt& value_at) {
   return hash;
 }
 
-// Hashes row by row, so that threads do not tell. hash_row(y) returns the hash of a row.
+// Hashes row by row, so that the number of threads does not matter. hash_row(y) returns the hash of a row.
 template <typename HashRow>
 PictureHash combine_rows(Executor& executor, uint32_t height, const HashRow& hash_row) {
   std::vector<PictureHash> rows(height);

@@ -1,4 +1,4 @@
-// Hashes the pictures that a frame is traced from, so that frames are compared without being kept. Any thread.
+// Hashes the pictures that a frame is traced from, so that frames are compared without storing them. Any thread.
 #pragma once
 
 #include <array>

@@ -23,7 +23,7 @@ void PixelTrail::begin(const TraceView& view, const DepthImage& depth, glm::uvec
   std::swap(depth_, depth_before_);
   fill_depths(executor, depth, *camera_, depth_);
   same_view_ = before_ && camera_->sees_as(*before_);
-  if (same_view_) camera_ = before_;  // what creeps along is compared with where it was, until it has moved
+  if (same_view_) camera_ = before_;  // slow movement is compared with the place where it began, until it counts
   if (before_ && !same_view_) find_way();
 }
 

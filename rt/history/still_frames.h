@@ -34,10 +34,10 @@ struct FrameKey {
 class StillFrames {
  public:
   using Hashes = std::array<PictureHash, 2>;
-  // Learns of the next frame, and returns whether it is the last one once more. `hash_pictures` is called where only they can
-  // tell, so that a view that moves hashes nothing: it is the third equal frame that is known for one. Wind, sprites and a
-  // host's shader never stand still; a frame that follows none, or stands for the last one, is traced in any case.
-  // `committed`: without poses.
+  // Takes the next frame, and returns whether it equals the last one. `hash_pictures` is called only if everything else
+  // is equal, so that a moving view hashes nothing: the third equal frame is the first that is recognized. Wind,
+  // sprites and a host's shader never stand still; a frame that does not continue, or redraws the last one, is always
+  // traced. `committed`: without poses.
   bool begin(FrameKey key, SequenceStep step, std::shared_ptr<const model::Snapshot> committed,
              const std::function<Hashes()>& hash_pictures);
   // Learns what the frame has counted. `whole`: every answer is there.

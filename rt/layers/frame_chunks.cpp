@@ -15,7 +15,7 @@ size_t pixels_in_chunk(size_t pixels) {
   return std::clamp(pixels / wanted_chunks / packet * packet, least, most);
 }
 
-// Returns where chunks begin that hold whole blocks, so that a block has its turn as one.
+// Returns where chunks begin that hold whole blocks, so that a block is traced in one turn.
 std::vector<uint32_t> cut(const std::vector<PixelRequest>& pixels, size_t most, bool in_blocks) {
   const auto same_block = [&](size_t a, size_t b) {
     return pixels[a].x / traced_block == pixels[b].x / traced_block && pixels[a].y / traced_block == pixels[b].y / traced_block;
@@ -66,7 +66,7 @@ TraceEnd FrameChunks::run(const LayerRequest& request, Executor& executor, const
       cancelled = true;
       return;
     }
-    // Threads have parts of the numbers each: where the order counts, whoever is free takes the next.
+    // Threads have parts of the numbers each; where the order counts, each free thread takes the next.
     const size_t number = order_.empty() ? numbered : next++, index = order_.empty() ? numbered : order_[number];
     const std::span<const PixelRequest> pixels = chunk(index);
     TraceEnd end = TraceEnd::late;

@@ -24,7 +24,7 @@ struct FrameContext {
   // Where surfaces are cached that bend light, one for each material: 1 = straight rays end at its surfaces. Or empty.
   std::span<const uint8_t> bends = {};
   uint32_t position = 0;        // which of the frame's sample positions: for random numbers
-  const class SpriteLights* sprites = nullptr;  // light of sprites that is known already; null: they are shaded as others are
+  const class SpriteLights* sprites = nullptr;  // precomputed light of sprites; null: they are shaded as others are
   const float* ends = nullptr;  // of the rays, a texel each, instead of the request's depth
 };
 

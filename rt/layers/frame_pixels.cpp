@@ -91,7 +91,7 @@ class Gatherer {
   uint64_t masked = 0, requested = 0;
 
  private:
-  // Returns whether the mask requests layers anywhere in a block: in most of a picture it does not.
+  // Returns whether the mask requests layers anywhere in a block; in most of a picture it does not.
   bool wants_any(uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) const {
     uint32_t stencil = 0, bytes = 0;
     for (uint32_t y = y0; y < y1; ++y) {

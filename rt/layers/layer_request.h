@@ -53,7 +53,7 @@ struct CacheRequest : LayerRequest {
 
   SequenceStep sequence = SequenceStep::first;  // of `still` and `older`
   StillFrames* still = nullptr;  // of its sequence: a frame that is the last one keeps the cache; null: it is traced
-  OlderLayers* older = nullptr;  // of its sequence: what is given up shows its older answer; null: it has none
+  OlderLayers* older = nullptr;  // of its sequence: what has no turn shows its history; null: there is none
   uint32_t position_frames = 0;         // as MaskRequest has it
   const WantedTiles* wanted = nullptr;  // null: all tiles are
   float subpixel = 0.0f;         // by how much of a pixel rasterization moves a vertex along x and along y, at most
@@ -70,8 +70,8 @@ struct LayerCache {
   // Along the view ray; 0 = empty. Negative: the layer there is resolved, the last of its pixel, and hides all behind it.
   std::vector<float> distance;
   std::vector<uint32_t> surface_id;
-  // One plane each, four halfs a texel, empty unless requested: whole pixels, of which the layers are all surfaces,
-  // composited along the ray. Those have a transmittance with an alpha of 1; the others' radiance has no meaning.
+  // One plane each, four halfs a texel, empty unless requested: whole pixels, composited along the ray. Those have a
+  // transmittance with an alpha of 1; the others' radiance has no meaning.
   std::vector<uint16_t> whole_radiance, whole_transmittance;
   std::vector<uint8_t> traced_tiles;  // row-major, 1 = holds answers
   std::vector<uint8_t> dirty_tiles;   // 1 = changed by the last trace: upload these

@@ -12,8 +12,8 @@ namespace {
 // rounds.
 constexpr std::array<uint32_t, 8> group_layers{1, 2, 3, 4, 6, 8, 16, most_layers_in_round};
 constexpr uint32_t layers_in_round = 16;
-// A further round starts this share of the distance before the last surface, and skips by the total order what is
-// known.
+// A further round starts this share of the distance before the last surface, and skips by the total order what was
+// found before.
 constexpr double step_back = 1e-6;
 // This is the epsilon of listing 50-1, which gives no value: a share of the distance, the least that leaves the surface
 // behind.

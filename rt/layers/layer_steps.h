@@ -19,7 +19,7 @@ struct LayerStep {
   float listing_start = 0.0f;  // Ray.MinT of listing 50-1
 };
 
-// Returns how many surfaces the next traversal is to look for, known ones included, where `missing` more are requested.
+// Returns how many surfaces the next traversal searches, those found before included, if `missing` more are requested.
 uint32_t layers_in_traversal(sideray_step policy, const LayerStep& step, uint32_t missing);
 
 // Returns how many new surfaces of one traversal count.
@@ -27,7 +27,7 @@ inline uint32_t new_layers_in_traversal(sideray_step policy) {
   return policy == SIDERAY_STEP_MULTIHIT ? most_layers_in_round : 1;
 }
 
-// Moves the start of the ray on. `met` holds the hits of the last traversal, up to step.last.
+// Advances the start of the ray. `met` holds the hits of the last traversal, up to step.last.
 void step_on(sideray_step policy, std::span<const Hit> met, LayerStep& step, Ray& ray);
 
 }  // namespace sideray::rt

@@ -233,7 +233,7 @@ void LayerTracer::gather_points() {
     points_[i].key = random_key({states_[shaded_[i].pixel].key, shaded_[i].layer});
 }
 
-// Hands the light of a sprite to the sink where it is known already; returns whether it was.
+// Hands the precomputed light of a sprite to the sink, if there is any; returns whether there was.
 bool LayerTracer::add_sprite(const Event& event, const SurfacePoint& point, glm::vec3 weight) {
   if (!frame_->sprites || frame_->scene->snapshot->instances[event.hit.instance].sprites == 0) return false;
   const glm::vec3 radiance = frame_->sprites->radiance(point.surface, event.hit);

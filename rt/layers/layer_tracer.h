@@ -44,7 +44,7 @@ class LayerSink {
                          const RoughReflection&) {}
   // This is called where the light of a layer that was added is all that is seen of it and of what lies behind it.
   virtual void resolve(uint32_t /*pixel*/, uint32_t /*layer*/) {}
-  // Returns whether nothing behind the surfaces that the pixel has hit so far can be seen.
+  // Returns whether the surfaces hit so far hide everything behind them.
   virtual bool finished(uint32_t pixel) const = 0;
   virtual void end(std::span<const PixelRequest> pixels) = 0;
 };

@@ -22,7 +22,7 @@ class CoarseSky {
   static constexpr uint32_t step = 8;  // the pixel in the middle of as many, squared, stands for them
   static constexpr uint32_t across = frame_tile_size / step;
 
-  // No tile is known.
+  // Resets all tiles.
   void begin(uint32_t width, uint32_t height);
   // Learns that a tile's samples follow.
   void start(size_t tile) { tiles_[tile] = {.known = true, .samples = {}}; }

@@ -12,7 +12,7 @@ constexpr double nothing = std::numeric_limits<double>::infinity();
 constexpr double no_depth = std::numeric_limits<double>::quiet_NaN();  // where nothing was drawn
 // This share covers coordinates that go through an instance's transform and back in floats.
 constexpr double rounding = 0x1p-21;
-// This is a factor on a slope: neighbours tell the mean slope of the triangles between them.
+// This is a factor on a slope: neighbours give the mean slope of the triangles between them.
 constexpr double slope_margin = 2.0;
 // Three pixels lie on a plane where the second step differs from the first by at most this share of it, and by what steps
 // of the depth may make of it.
@@ -22,7 +22,7 @@ constexpr double bent_share = 0.125, bent_noise = 8.0;
 constexpr double plane_share = 0x1p-6, straighter_factor = 2.0, straighter_noise = 8.0;
 // A step of at most this distance over breadth is believed from two pixels alone.
 constexpr double steep = 4.0;
-// Rays skip this share of a pixel's breadth where it is not known how the surface is tilted.
+// Rays skip this share of a pixel's breadth where the surface's tilt is unknown.
 constexpr double pixel_share = 0.5;
 
 bool marked(const MaskRequest& r, uint32_t stencil) {
@@ -167,7 +167,7 @@ DepthPoints::Single::Step DepthPoints::Single::step(size_t index, ptrdiff_t stri
   };
   const double back = cost(before), forth = cost(after);
   if (std::min(back, forth) == nothing) return {glm::dvec3(0.0), 0.0, 0.0, false};
-  // Beside a fold the nearer neighbour may be on the other face, of which the pixel's own depth knows nothing.
+  // Beside a fold the nearer neighbour may be on the other face, which the pixel's own depth does not see.
   const auto& [down, up] = sides;
   const auto straighter = [&](const Side& one, const Side& other) {
     return planes && one.plane && straighter_factor * one.bend + straighter_noise * here.noise < other.bend;
@@ -180,8 +180,8 @@ DepthPoints::Single::Step DepthPoints::Single::step(size_t index, ptrdiff_t stri
   const double steepest = Single::slope(goes_on_after ? up : down, goes_on_after ? down : up);
   const double breadth = std::sqrt(std::max(glm::dot(drawn, drawn) - slope * slope, 0.0));
   if (slope <= steep * breadth) return {along, steepest, breadth, true};
-  // On a plane the inverse distance is linear: a third pixel on either side tells a grazing surface from another one
-  // behind a thin leaf.
+  // On a plane the inverse distance is linear: a third pixel on either side distinguishes a grazing surface from
+  // another one behind a thin leaf.
   const auto straight = [&](const Seen& other, double steps) {
     const double first = 1.0 / next.distance - 1.0 / here.distance, third = 1.0 / other.distance - 1.0 / here.distance;
     return cost(other) < nothing && std::abs(third - steps * first) <= 0.1 * std::abs(first);
@@ -214,7 +214,7 @@ DepthPoint DepthPoints::Single::point(const MaskRequest& r, const ViewRays& view
   const bool planes = columns.plane() && rows.plane();
   const Step across = step(index, 1, columns, planes), up = step(index, ptrdiff_t{side}, rows, planes);
   // The margin is half a step of the format with rounding, and what the rasterizer's grid of sub-pixels moves a slope
-  // by. The slope is known but for what lies between neighbours, and for a step.
+  // by. The slope is exact up to what lies between neighbours, and to a step.
   const auto moved_by = [&](double stored) {
     return stored + (across.slope + up.slope + 4.0 * stored) * double{r.subpixel};
   };
@@ -232,8 +232,8 @@ DepthPoint DepthPoints::Single::point(const MaskRequest& r, const ViewRays& view
   const double any_way = off + (across.breadth + up.breadth) * double{r.subpixel};
   const glm::dvec3 moved = here.resting ? normal * (any_way + least) : -toward * off + normal * least;
   p.front = glm::vec3(here.position + moved);
-  // Where the tilt is not known, rays skip hits nearby: behind the surface they start no farther off than they must, so
-  // as not to skip what is behind it.
+  // Where the tilt is unknown, rays skip hits nearby. Behind the surface they start as close as possible, so as not to
+  // skip what is behind it.
   const bool known = across.known && up.known;
   const glm::dvec3 moved_back = known || here.resting ? moved : -toward * moved_by(here.noise) + normal * least;
   p.back = glm::vec3(here.position - moved_back);
@@ -414,7 +414,7 @@ const PointTile& DepthPoints::gather_singly(const MaskRequest& r, const ViewRays
   return *tile_;
 }
 
-// Fills what is seen but for rest poses.
+// Fills what is seen, except rest poses.
 void DepthPoints::see(const MaskRequest& r, const PointView& view, uint32_t x0, uint32_t y0) {
   const uint32_t first = x0 < seen_border ? 0 : x0 - seen_border;
   const uint32_t end = std::min(x0 + tile_size + seen_border, r.width);

@@ -23,7 +23,7 @@ struct DepthPoint {
   bool inexact;      // takes the inexact test
   float bias;        // the bias B of the inexact test here, 0 where nothing may move
   float doubt;       // sine of the angle by which steps of the depth may have turned the normal
-  float skip;        // hits nearer than this may be the surface itself: it is not known on which side a ray starts
+  float skip;        // hits nearer than this may be the surface itself: the side on which a ray starts is unknown
   // Returns where a ray starts. In doubt it is in front: there a surface that faces the direction does not shadow
   // itself, and one that does not is rightly dark.
   glm::vec3 origin(glm::vec3 direction) const { return glm::dot(direction, normal) >= -doubt ? front : back; }

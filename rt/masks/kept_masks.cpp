@@ -208,7 +208,7 @@ void KeptMasks::begin_next(const Frame& frame, const MaskRequest& r, TracedScene
   if (frames_.size() > longest_cycle) frames_.erase(frames_.begin());
 }
 
-// What was kept when the frame was drawn is part of what it shows.
+// A redrawn frame reuses the masks that it reused when it was drawn first.
 void KeptMasks::begin_again(const Frame& frame, const MaskRequest& r, std::vector<Layer>& layers) {
   const bool same = is_last(frame) && r.seed == seed_ &&
                     std::equal(layers.begin(), layers.end(), layers_.begin(), layers_.end(),

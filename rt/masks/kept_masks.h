@@ -1,12 +1,10 @@
-// Knows which masks of a sequence's frame need no rays because nothing that they show has changed: depth, view, what
-// rays meet, the light and the options are those of frames before. One object a sequence, where the same masks stay in
-// one OcclusionMasks from frame to frame. One thread calls it; it works on the executor's.
-//
-// A mask without random samples, and one with the same samples as before, is kept at once: the bits are the same. One
-// whose samples differ from frame to frame is a mean over frames, kept once that has forgotten what it held before the
-// picture stood still: what is left of it is below half a step of a mask's 8 bits. From then on the mask stays what it
-// is, as good as any that would follow. A view that goes through the same places in the pixel again and again, as for
-// anti-aliasing in time, stands still too: each place has masks of its own.
+// Finds the masks of a sequence's frame that need no rays because nothing has changed: depth, view, the geometry that
+// rays hit, the light and the options are those of earlier frames. One object a sequence, where the same masks stay in
+// one OcclusionMasks from frame to frame. One thread calls it; it works on the executor's.  A mask without random
+// samples, and one with the same samples as before, is reused at once: the bits are the same. One whose samples differ
+// from frame to frame is a mean over frames. It is reused once it has converged: what it held before the view stood
+// still weighs less than half a step of a mask's 8 bits. From then on it does not change. A view that repeats the same
+// jittered positions, as for temporal anti-aliasing, stands still too: each position has masks of its own.
 #pragma once
 
 #include <algorithm>
@@ -41,11 +39,11 @@ class KeptMasks {
   // What begin() decided of the masks of lights, by their layer, and of the sky's, behind them where there is one.
   bool keeps(uint32_t layer) const { return layers_[layer].kept; }
   bool keeps_all() const;
-  // Returns whether kept masks are those of a frame before the last.
+  // Returns whether reused masks are of a frame before the last.
   bool brings_back() const { return cycle_ > 1; }
 
  private:
-  // What all masks of a frame depend on. Pictures are told apart by their hashes.
+  // What all masks of a frame depend on. Pictures are compared by their hashes.
   struct Frame {
     struct Inputs : sideray_mask_inputs {
       bool operator==(const Inputs& other) const { return ask_alike(*this, other); }
@@ -74,7 +72,7 @@ class KeptMasks {
       return lights == other.lights && veils == other.veils && sky == other.sky;
     }
   };
-  // The masks at one of the places in the pixel, by layer; empty where none is known.
+  // The masks of one position in the pixel, by layer; empty where there is none.
   using Place = std::vector<std::vector<uint8_t>>;
 
   static Frame frame_of(const MaskRequest& request, TracedScene& scene);
@@ -92,7 +90,7 @@ class KeptMasks {
 
   bool complete_ = false;                    // the masks are those of the last frame
   std::shared_ptr<const model::Snapshot> committed_;  // that of the last frame
-  uint64_t scene_ = 0;                       // grows with each commit that changes anything, but for the wind
+  uint64_t scene_ = 0;                       // grows with each commit that changes anything except the wind
   std::vector<Frame> frames_;                // the last ones, oldest first, up to the longest cycle
   std::vector<Layer> layers_;                // of the last frame; the sky's is the last
   SequenceStep step_ = SequenceStep::first;  // of the last frame that was not drawn again

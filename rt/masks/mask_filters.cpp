@@ -50,8 +50,8 @@ void fill_motion(Executor& executor, const FrameCamera& now, const FrameCamera& 
   });
 }
 
-// Returns whether a frame's masks are averaged with those before. What a frame shows of older ones has been averaged once;
-// where most of it is that, means over frames would be of the same rays again and again, and cost as if all were traced.
+// Returns whether a frame's masks are averaged with the previous ones. History has been averaged once; if most of a
+// frame is history, a mean over frames would average the same rays again and again, and cost as if all were traced.
 bool is_averaged(const MaskRequest& r) {
   return !r.traced || r.traced->are_most;
 }
@@ -220,7 +220,8 @@ std::vector<uint8_t> tiles_to_calm(const OcclusionMasks& masks, uint32_t place, 
   return tiles;
 }
 
-// Does so in planes of tints, given by place and channel. Pixels are changed once all are known, since neighbours read them.
+// Does so in planes of tints, given by place and channel. Pixels are changed after all are computed, since neighbours
+// read them.
 void calm(Executor& executor, const FilterFrame& frame, const std::vector<std::pair<uint32_t, uint32_t>>& planes,
           std::span<const uint8_t> unfiltered, OcclusionMasks& masks) {
   const size_t rows = masks.tint_rows();
@@ -245,7 +246,7 @@ struct MaskFilters::Frame {
   std::vector<ShadowFilterInput> inputs;
   std::vector<uint8_t*> masks;
   std::deque<std::vector<uint8_t>> seen;  // of tints
-  std::vector<uint32_t> grey;             // places of tints of which one channel is filtered for all three
+  std::vector<uint32_t> grey;             // places of grey tints: one channel is filtered for all three
   std::vector<std::pair<uint32_t, uint32_t>> tints;  // places and channels that are filtered
 };
 

@@ -44,21 +44,21 @@ class FilterFrames {
   const FrameCamera& camera() const { return *camera_; }
   bool follows() const { return before_.has_value(); }
   // Returns whether the frame follows the one that a light's filter filtered last: a light's masks need not be
-  // requested in every frame, and what was filtered longer ago is no past. `last` holds the number of that frame, 0
-  // where there is none, and becomes this one's.
+  // requested in every frame, and a filter that skipped a frame has no history. `last` holds the number of that frame,
+  // 0 where there is none, and becomes this one's.
   bool follows(uint64_t& last, SequenceStep step) const;
 
  private:
   std::optional<FrameCamera> camera_, before_;
-  uint64_t number_ = 0;  // counts the frames, of which one that is drawn again is none
+  uint64_t number_ = 0;  // counts the frames, without redrawn ones
   glm::dvec3 origin_{0.0};
   uint32_t width_ = 0, height_ = 0;
 };
 
 class MaskFilters {
  public:
-  // Filters the masks in place, but for those that MaskRequest::kept keeps; not to be called where it keeps all.
-  // Orthographic views stay as they are. Under a deadline older masks are filtered already, and stay; where they are more than
+  // Filters the masks in place, except those that MaskRequest::kept reuses; not to be called if it reuses all.
+  // Orthographic views stay as they are. Under a deadline history is filtered already, and stays; if it is more than
   // half of the tiles, the others are filtered within the frame alone.
   void filter(Executor& executor, const MaskRequest& request, const model::Snapshot& snapshot, OcclusionMasks& masks);
 

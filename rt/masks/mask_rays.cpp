@@ -73,7 +73,7 @@ glm::vec2 TileSamples::at(uint32_t x, uint32_t y, uint32_t sample, uint32_t samp
   return PointSet(keys_.order[block], keys_.x[block], keys_.y[block])[(j % side * side + i % side) * samples + sample];
 }
 
-// Solves I (1 - (d / range)^4) / d^2 = E for d^2, of which the light's cone, that only takes some away, has no part.
+// Solves I (1 - (d / range)^4) / d^2 = E for d^2. The light's cone, which only takes some away, is ignored.
 model::Light reaching(const model::Light& light, float least) {
   const auto intensity = static_cast<double>(std::max({light.intensity.x, light.intensity.y, light.intensity.z}));
   if (!(least > 0.0f) || light.type == SIDERAY_LIGHT_DIRECTIONAL || !(intensity > 0.0)) return light;
@@ -171,7 +171,7 @@ void TileRays::draw(const SkyDirections& sky, const PointTile& tile) {
           sky.draw(SkyDirections::facing(normal), normal,
                    {samples_.u[i], std::min(samples_.azimuth[i] * glm::one_over_two_pi<float>(), 1.0f)});
       for (int k = 0; k < 3; ++k) samples_.drawn[k][i] = drawn.direction[k];
-      // Below the surface it would meet the surface itself at once, which would tell the filter of a contact that is none.
+      // Below the surface it would hit the surface itself at once, and the filter would see a contact that is none.
       if (drawn.weight == 0.0f) samples_.wanted[block] &= static_cast<uint16_t>(~(1u << (i % block_pixels)));
       weight_[i] = drawn.weight;
     }

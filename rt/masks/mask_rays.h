@@ -44,7 +44,7 @@ inline constexpr uint32_t bias_purpose = 32;  // of the inexact test's random nu
 model::Light reaching(const model::Light& light, float least);
 
 RayLight rays_to(const model::Light& light);
-// Returns rays to the sky as far as `distance`, of which a pixel has `count`; this one has the number `index`.
+// Returns ray `index` of the pixel's `count` rays to the sky, as far as `distance`.
 RayLight rays_to_the_sky(float distance, uint32_t count, uint32_t index);
 
 // Makes the ray of one point; returns false where the light sends nothing there.

@@ -52,25 +52,25 @@ struct MaskRequest : sideray_mask_inputs {
   bool hit_distances = false;               // OcclusionMasks::hit_distance is wanted
   MaskFilters* filters = nullptr;           // of the sequence; none: masks stay as they were traced
   SequenceStep sequence = SequenceStep::first;
-  KeptMasks* kept = nullptr;          // of the sequence, whose masks are all in one place; none: every mask is traced
-  // Frames that a position of a still view has taken, this one included: masks are filtered in the frame that has the last of them,
-  // as if it had all, and no past. 0 = the frame is shown as it is.
+  KeptMasks* kept = nullptr;          // of the sequence, which has one set of masks; none: every mask is traced
+  // Frames over which this position of a still view has been traced, this one included. Masks are filtered in the last
+  // of them, as one frame without history. 0 = the frame is shown as it is.
   uint32_t position_frames = 0;
   bool redraw_keeps = false;          // a frame that is drawn again keeps also what it traced when it was drawn first
-  std::span<const float> view_depths = {};  // those of fill_depths(), where they are known already; or empty
+  std::span<const float> view_depths = {};  // those of fill_depths(), if they are computed already; or empty
   const TracedTiles* traced = nullptr;      // null: all of the picture
   std::span<const glm::vec2> motion;  // a pixel: sideray_frame_source::motion_texture; or empty
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
   WorkTime work;                                 // of lights and of the sky: tiles that it does not let begin are given up
-  OlderMasks* older = nullptr;  // of the sequence: tiles that are given up show their older masks; null: they are lit
-  const WantedTiles* wanted = nullptr;  // null: all tiles are; otherwise neither `kept` nor `older` keeps anything
+  OlderMasks* older = nullptr;  // of the sequence: tiles without a turn show their history; null: they are lit
+  const WantedTiles* wanted = nullptr;  // null: all tiles are; otherwise neither `kept` nor `older` reuses anything
 };
 
 // Returns whether hosts ask for the same masks.
 bool ask_alike(const sideray_mask_inputs& a, const sideray_mask_inputs& b);
 
-// Returns whether tiles that are given up show their older masks.
+// Returns whether tiles without a turn show their history.
 inline bool has_older(const MaskRequest& request) {
   return request.older && is_bounded(request.work);
 }
@@ -140,7 +140,7 @@ struct OcclusionMasks {
   void add_tint(uint32_t layer, bool filtered);
   // Writes a tile of a place; null: nothing is tinted there. Different tiles may be written at the same time.
   void store_tint(uint32_t place, size_t tile, const TintTile* found);
-  // Finds out which tiles hold a tint, after filters have spread some and older masks have moved others.
+  // Finds the tiles that hold a tint, after filtering and reprojection have spread it.
   void find_tinted(Executor& executor);
   void forget_tints();
 

@@ -21,7 +21,7 @@ constexpr uint32_t combined_block = 8;
 // takes for coherent, and more than eight cannot be (occlusion_width()).
 constexpr bool rays_agree = false;
 
-// A filter looks at the 5x5 pixels around each: a quarter of them tell it enough.
+// A filter looks at the 5x5 pixels around each: a quarter of them suffice.
 bool is_measured(uint32_t column, uint32_t row) {
   return ((column | row) & 1) == 0;
 }

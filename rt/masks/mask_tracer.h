@@ -54,7 +54,7 @@ class MaskTracer {
   MaskTracer(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks);
 
   bool traces_lights() const;
-  // What nothing opaque hides is kept where the sky's mask is.
+  // Stores what nothing opaque hides beside the sky's mask.
   bool traces_sky() const { return request_.ao_rays > 0 && !is_kept(masks_.layers); }
 
   // Makes a tile lit, and its distances infinite.
@@ -68,7 +68,7 @@ class MaskTracer {
   // because it was given up.
   void store_tints(std::span<Worker> workers, std::span<const uint8_t> fresh, Executor& executor) const;
 
-  // Measures what trace_shadows() left out: of tiles that are all dark, at whose borders others are lit.
+  // Finds the hit distances that trace_shadows() left out: of all-dark tiles beside lit ones.
   void trace_borders(size_t tile, Worker& w) const;
 
   // Measures the distance of every dark pixel where the light is seen in part.
@@ -150,7 +150,7 @@ class MaskTracer {
 
   void store_open(const PointTile& points, const Worker& w) const;
 
-  // A pixel's neighbours tell the filter the rest.
+  // The filter takes the rest from the pixel's neighbours.
   void measure_open(const PointTile& points, Worker& w) const;
 
   template <typename Wanted>

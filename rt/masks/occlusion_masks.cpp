@@ -23,7 +23,8 @@ namespace {
 // reaches, and they from those beside them. In masks of lights one more calms tints, and borders are measured where the next is
 // lit. In filter_tile and tile_size.
 constexpr uint32_t lights_filtered = 2, sky_filtered = 1, lights_traced = 2, sky_traced = 1;
-// Part of the tiles of which nothing is known that are sampled in a frame whatever its budget: a sixteenth of a tile's work each.
+// Share of the tiles without history that are sampled in a frame whatever its budget: a sixteenth of a tile's work
+// each.
 constexpr size_t least_sampled = 8;
 
 void check(const MaskRequest& r, const model::Snapshot& snapshot) {
@@ -92,7 +93,7 @@ bool waits(const MaskRequest& r, const Counters& counters) {
   return r.position_frames > 0 && (counters.mask_pixels_late > 0 || counters.frames_waiting >= r.position_frames);
 }
 
-// Fills `masks`, but for those that the request keeps.
+// Fills `masks`, except those that the request reuses.
 Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
   check(r, *scene.shading().snapshot);
   Executor& executor = scene.executor();
@@ -107,7 +108,7 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
   const MaskTracer tracer(r, scene, masks);
   std::vector<MaskTracer::Worker> workers(executor.threads());
   std::atomic<bool> whole{true};
-  std::vector<uint8_t> fresh(tracer.tiles(), 1);  // tiles of lights that do not show older masks
+  std::vector<uint8_t> fresh(tracer.tiles(), 1);  // tiles of lights that do not show history
   const std::vector<uint8_t> for_lights = traced_tiles(r.wanted, r.width, lights_traced);
   const std::vector<uint8_t> for_sky = traced_tiles(r.wanted, r.width, sky_traced);
   if (!for_lights.empty()) fresh = for_lights;
@@ -126,7 +127,7 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
     const std::vector<uint32_t> turns = tracer.turns(part);
     WorkClock clock(time);
     std::atomic<size_t> next{0};
-    // Threads have parts of the numbers each: where the order counts, whoever is free takes the next.
+    // Threads have parts of the numbers each; where the order counts, each free thread takes the next.
     executor.run(tracer.tiles(), [&](size_t numbered, uint32_t thread) {
       const size_t number = turns.empty() ? numbered : next++, tile = turns.empty() ? numbered : turns[number];
       if (is_cancelled() || !clock.run(number, [&] {
@@ -151,7 +152,7 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
     });
     return watch.ms();
   };
-  // Tiles of which nothing is known see the sky by a few samples first.
+  // Tiles without history sample the sky coarsely first.
   const auto sample_sky = [&] {
     const Stopwatch watch;
     std::vector<uint32_t> lacking = tracer.turns(OlderMasks::of_sky);
@@ -207,7 +208,7 @@ std::vector<uint8_t> filter_tiles_of(const WantedTiles& wanted, const OcclusionM
   return grown(result, masks.filter_columns(), around);
 }
 
-// Older masks know the frame's depths already, and what is filtered.
+// The history has the frame's depths already, and is filtered.
 void filter(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
   MaskRequest filtered = r;
   std::vector<uint8_t> of_lights, of_sky;

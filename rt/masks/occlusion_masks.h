@@ -8,7 +8,7 @@
 
 namespace sideray::rt {
 
-// Fills `masks`, but for those that the request keeps; lights of the request that the scene does not have are an error.
+// Fills `masks`, except those that the request reuses; lights of the request that the scene does not have are an error.
 // Throws Failure.
 Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks);
 

@@ -42,8 +42,8 @@ void count_row(std::span<const uint8_t> ages, const float* depths, Counters& cou
   counters.answer_age = std::max<uint64_t>(counters.answer_age, most);
 }
 
-// Adds what the sky's masks change about a row whose masks of lights are counted: a pixel that lacks one of them is late, and
-// otherwise older where one of them is. Sums of counters wrap, so that one may be less than nothing here.
+// Corrects the counters of a row by the sky's masks, after those of lights were counted: a pixel that lacks one mask is
+// late; otherwise it is older if one mask is. Counters wrap, so a difference may be negative.
 void add_row(std::span<const uint8_t> sky, std::span<const uint8_t> lights, bool lights_are_new, const float* depths,
              Counters& counters) {
   for (size_t i = 0; i < sky.size(); ++i) {
@@ -199,7 +199,7 @@ void OlderMasks::begin(const MaskRequest& r, TracedScene& scene, const Occlusion
   for (const Part part : {of_lights, of_sky})
     parts_[part].shades[now_].resize(planes_of(r, part, masks) * tiles_of(r), all_lit);
   if (!goes_on) return;
-  // What is kept is not traced; it stays what it is as long as nothing moves.
+  // Reused masks are not traced; they stay as they are as long as nothing moves.
   if (trail_.same_view()) known_ = moves_;
   if (trail_.same_view()) return;
   now_ = 1 - now_;
@@ -328,7 +328,7 @@ OlderMasks::Shade OlderMasks::shade_there(Part part, uint32_t plane, const Trail
   return first == all_dark && !found.all_known ? mixed : first;
 }
 
-// Writes the older masks of a tile, where they are not in their place already.
+// Writes the history of a tile, unless it is in its place already.
 void OlderMasks::show(const MaskRequest& r, Part part, size_t tile, const Trail& found, OcclusionMasks& masks) {
   const bool same_view = trail_.same_view();
   if (same_view && found.all_known) return;

@@ -1,7 +1,7 @@
-// Masks of frames before for tiles that a deadline gives up: they stay with the surface, wherever the camera has gone, as the
-// filters have made them, and who was traced longest ago comes first in the next frame. Most tiles of most masks are all lit or
-// all dark, and are known as such: they are neither copied nor moved pixel by pixel. One object a sequence, whose masks are
-// in one place. One thread calls it; what is said of a tile may be said of several tiles at a time.
+// The history of masks, for tiles that have no turn under a deadline: filtered masks are reprojected with their
+// surface, and the least recently traced tile comes first in the next frame. Most tiles of most masks are all lit or
+// all dark and are flagged as such, so that they are neither copied nor moved pixel by pixel. One object a sequence.
+// One thread calls it, except functions of one tile, which several threads may call for different tiles.
 #pragma once
 
 #include <array>
@@ -33,7 +33,7 @@ class OlderMasks {
   void begin(const MaskRequest& request, TracedScene& scene, const OcclusionMasks& masks);
   // Returns the depths along the camera's axis of the frame that has begun, as fill_depths() does.
   const std::vector<float>& depths() const { return trail_.depths(); }
-  // Nothing is known any longer.
+  // Resets the history.
   void forget() {
     known_ = {};
     complete_ = false;
@@ -43,19 +43,19 @@ class OlderMasks {
   const std::vector<uint32_t>& turns(Part part) const { return parts_[part].turns; }
   // Learns that a tile's masks are traced.
   void traced(const MaskRequest& request, Part part, size_t tile);
-  // Returns whether anything is known of a part's masks of the frame before.
+  // Returns whether a part's masks have history.
   bool knows(Part part) const { return moves_[part]; }
   // Returns whether most pixels of a tile had no mask of the sky in the frame before. Samples are to be written before the tile is left.
   bool lacks_sky(size_t tile) const { return lacks_sky_[tile] != 0; }
   CoarseSky& coarse_sky() { return coarse_sky_; }
-  // Makes a tile's masks the older ones, where anything is known of the frame before: lit and open where there are none, the sky by
-  // its samples. Otherwise the tile stays as it is, but for those. Counts its pixels.
+  // Fills a tile's masks with their history, reprojected; pixels without history are lit and open, the sky has its
+  // samples. Counts the tile's pixels.
   void leave(const MaskRequest& request, Part part, size_t tile, OcclusionMasks& masks, Counters& counters);
   // Learns that of each tile of a part one of these was said.
   void end(Part part);
   // Learns that the frame's masks are filtered.
   void end_frame(const MaskRequest& request, const OcclusionMasks& masks, Executor& executor);
-  // Says of each pixel which of the frame's masks are known (OcclusionMasks::Answer); empties the answers where all are.
+  // Sets for each pixel which of the frame's masks have an answer (OcclusionMasks::Answer); empty if all have.
   void tell_answers(const MaskRequest& request, Executor& executor, OcclusionMasks& masks) const;
   // Learns that every mask of the position is there, and filtered as a whole: it stays what it is until the next one begins.
   void complete();
@@ -78,7 +78,7 @@ class OlderMasks {
     std::vector<uint8_t> unfiltered;  // of each tile: its masks are as they were traced
     bool ended = false;
   };
-  // Pixels of a tile, row by row: where they were, and the age of what is known of them.
+  // Pixels of a tile, row by row: where they were, and the age of their history.
   struct Trail {
     std::array<PixelTrail::Row, frame_tile_size> from;
     std::array<std::array<uint8_t, frame_tile_size>, frame_tile_size> ages;

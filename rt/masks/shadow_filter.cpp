@@ -5,9 +5,9 @@
 
 #include "model/failure.h"
 
-// Four passes of a-trous wavelets reach 15 pixels: a tile whose neighbours are, like it, all lit or all in shadow
-// cannot change, and is skipped. Tiles of a row are worked on line by line: what lies in a line lies together in
-// memory, where the lines of a tile are pages apart.
+// Four passes of a-trous wavelets reach 15 pixels: a tile that is all lit or all in shadow, like its neighbours, cannot
+// change and is skipped. Tiles of a row are worked on line by line: what lies in a line lies together in memory, where
+// the lines of a tile are pages apart.
 namespace sideray::rt {
 namespace {
 
@@ -144,7 +144,7 @@ void ShadowFilter::choose(const ShadowFilterInput& input, uint32_t tile_y) {
   }
 }
 
-// Writes the inverse depths of a row of tiles, of those alone that are `needed` where it says so.
+// Writes the inverse depths of a row of tiles, only of those that are `needed`, if it is given.
 void ShadowFilter::invert(std::span<const float> depth, uint32_t tile_y, std::span<const uint8_t> needed,
                           float* inverse) const {
   float copy[side];

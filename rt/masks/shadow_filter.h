@@ -25,7 +25,7 @@ struct ShadowFilterInput {
   shading::SfView view{};
   shading::SfLight light{};
   std::span<const uint8_t> mask;  // instead of the visibility: 255 = 1
-  // A tile, row by row: OcclusionMasks::Seen of its pixels; 1 all 0, 2 all 1. Empty: not known.
+  // A tile, row by row: OcclusionMasks::Seen of its pixels; 1 all 0, 2 all 1. Empty: unknown.
   std::span<const uint8_t> seen;
   // A tile, row by row: 0 where its pixels are filtered already, and stay. Empty: none is.
   std::span<const uint8_t> unfiltered = {};
@@ -37,9 +37,9 @@ class ShadowFilter {
 
   // Filters within the frame. `result` is as large as the images. Throws Failure (INVALID_ARGUMENT) where sizes differ.
   void spatial(Executor& executor, const ShadowFilterInput& input, std::span<float> result);
-  // Does the same for several filters of one size at once, each of which keeps its result for store(); what it takes
-  // from the depth is found once for all that name the same images. `whole`: what temporal() needs, too; otherwise
-  // tiles that cannot change are left out.
+  // Does the same for several filters of one size at once, each of which stores its result in store(); what depends on
+  // the depth is computed once for all that name the same images. `whole`: what temporal() needs, too; otherwise tiles
+  // that cannot change are left out.
   static void spatial(Executor& executor, std::span<ShadowFilter* const> filters,
                       std::span<const ShadowFilterInput> inputs, bool whole);
   // Writes what spatial() or, `accumulated`, temporal() made of the mask, 255 = 1, where it differs.
@@ -67,7 +67,7 @@ class ShadowFilter {
     bool loaded;  // its part of the planes is of this frame; otherwise its pixels are all `least`
   };
   struct ShadowRow;
-  // What is known of the surfaces, of a frame: filters of the same depth share it.
+  // The surfaces of a frame, which filters of the same depth share.
   struct Guide {
     std::vector<float> inverse, slope_x, slope_y;
     uint32_t width = 0, height = 0;

@@ -78,7 +78,7 @@ enum InexactKind : int32_t { starts_as_others, starts_further, skips_near_hits }
 // Says how rays of pixels that take the inexact test start.
 struct InexactStart {
   InexactKind kind;
-  uint32_t key;  // of their random numbers, but for the pixel
+  uint32_t key;  // of their random numbers, without the pixel
 };
 
 // Refers to rays by component. The arrays have room for a tile's pixels and 16 more, which may be written.
@@ -88,7 +88,7 @@ struct RayArrays {
 };
 
 struct PointKernels {
-  // Fills a row of `seen` but for positions and resting. `depth`: window depth of seen_stride pixels, negative =
+  // Fills a row of `seen`, except positions and resting. `depth`: window depth of seen_stride pixels, negative =
   // nothing; `x`: of the first of them in the picture.
   void (*see)(const PointView& view, const double* depth, double x, double y, int row, SeenPixels& seen);
   // Fills a row of the tile's points, `row` of `seen`, from what is seen there and in two rows on both sides; adds to

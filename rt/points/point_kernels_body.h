@@ -248,7 +248,7 @@ SIDERAY_LANE void note_drawn(PointTile& tile, int column, int row, uint32_t bits
   }
 }
 
-// Returns the length that rays skip where it is not known how the surface is tilted.
+// Returns the length that rays skip where the surface's tilt is unknown.
 SIDERAY_LANE DoubleVector unknown_share(const SeenPixels& seen, int at, DoubleVector distance) {
   NarrowVector turn[3];
   for (int i = 0; i < 3; ++i) {

@@ -1,5 +1,5 @@
-// Holds a tile's opaque pixels by component, for kernels that work on sixteen of them at a time. Plain values; knows
-// nothing else. Any thread may use it.
+// Holds a tile's opaque pixels by component, for kernels that work on sixteen of them at a time. Plain values. Any
+// thread may use it.
 #pragma once
 
 #include <stdint.h>

@@ -55,7 +55,7 @@ bool AngleCull::update(const model::Snapshot& snapshot, float angle_deg, glm::ve
       const bool kept = rules.keeps_translucent && snapshot.materials[instance.material].translucent;
       const double radius = double{bounds.radius()};
       const double distance = glm::length(glm::dvec3(bounds.center()) - glm::dvec3(eye));
-      // Nothing is known of empty bounds: the distance is NaN then.
+      // Empty bounds have no distance: it is NaN then.
       const double share = culled_[i] && rules.remembers ? returns : leaves;
       const bool small = !kept && radius < distance && radius < distance * share;
       piece_changed |= culled_[i] != static_cast<uint8_t>(small);

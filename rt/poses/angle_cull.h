@@ -31,7 +31,7 @@ class AngleCull {
   const std::vector<uint8_t>& culled() const { return culled_; }
 
  private:
-  // Moves what is known to the instances of the same names, wherever they are now.
+  // Moves the results to the instances of the same names, at their new indices.
   void follow(const model::Snapshot& snapshot);
 
   std::vector<uint8_t> culled_;

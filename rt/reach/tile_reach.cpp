@@ -46,7 +46,7 @@ void walk(Row* rows, glm::vec3 q, glm::vec3 v, float per_unit, Part part) {
   mark();
 }
 
-// Returns whether any cell is marked in a box, of which all within half a cell of it counts.
+// Returns whether any cell is marked in a box, or within half a cell around it.
 template <int side, typename Row>
 bool is_marked(const Row* rows, float per_unit, glm::vec3 low, glm::vec3 high) {
   constexpr float middle = 0.5f * static_cast<float>(side), around = 0.51f;

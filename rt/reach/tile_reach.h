@@ -1,6 +1,6 @@
-// Knows where the rays of a picture's tiles go: of the cells that space is cut into, which of them any ray of a tile passes.
-// What moves in other cells changes nothing that these rays find (docs/adr/0046-still-views.md). While Following is alive, the
-// intersector tells it of all rays of its thread.
+// Records where the rays of a picture's tiles go: which cells of space any ray of a tile passes. What moves in other
+// cells changes nothing that these rays find (docs/adr/0046-still-views.md). While Following is alive, the intersector
+// reports all rays of its thread to it.
 #pragma once
 
 #include <array>
@@ -48,8 +48,8 @@ class TileReach {
 
   // Chooses the cube by what a depth buffer shows, where it is not chosen yet. Not while rays are followed.
   void fit(const TraceView& view, uint32_t width, uint32_t height, const DepthImage& depth);
-  // Each returns false where it is certain that no ray of the tile has met what is in a box: what hides lights or sky, what an
-  // opaque surface mirrors, or a sprite. Not while rays are followed.
+  // Each returns false if it is certain that no ray of the tile has hit what is in a box: an occluder of lights or sky,
+  // something that an opaque surface mirrors, or a sprite. Not while rays are followed.
   bool meets_occluders(size_t tile, const model::Bounds& box) const;
   bool meets_mirrored(size_t tile, const model::Bounds& box) const;
   bool meets_sprites(size_t tile, const model::Bounds& box) const;
@@ -69,7 +69,7 @@ class TileReach {
 // Follows the rays that this thread traces while the object is alive.
 class Following {
  public:
-  // Of layers only those are followed that meet sprites.
+  // Of layers' rays only those that hit sprites are followed.
   enum class Rays { of_masks, of_reflections, of_layers };
 
   // null: follows nothing.
@@ -78,7 +78,7 @@ class Following {
   Following(const Following&) = delete;
   Following& operator=(const Following&) = delete;
 
-  // Counts all rays so far to a tile; several may have them.
+  // Adds all rays recorded since to a tile; several tiles may get the same rays.
   void add_to(size_t tile);
 
   // The object that is alive on this thread, or null.

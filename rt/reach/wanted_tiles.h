@@ -1,5 +1,5 @@
-// Says which tiles of a picture are made anew. What is made of the others is not looked at: nothing is traced, filtered or
-// uploaded there, but for what the filters read around those that are wanted. Any thread.
+// Says which tiles of a picture are drawn anew. The others are not traced, filtered or uploaded, except what filters
+// read around the wanted ones. Any thread.
 #pragma once
 
 #include <algorithm>

@@ -15,8 +15,8 @@ void Beams::begin(const ShadingScene& scene, const Intersector& intersector, con
   traversals = 0;
 }
 
-// Leaves the beams that nothing opaque blocks. The environment is occluded by what paths meet, so that both ways to sample
-// it see the same.
+// Leaves the beams that nothing opaque blocks. The environment is occluded by what paths hit, so that both ways to
+// sample it agree.
 void Beams::find_free(std::vector<Beam>& beams, BeamTarget target) {
   rays_.clear();
   for (const Beam& beam : beams) rays_.push_back(beam.ray);

@@ -13,7 +13,7 @@
 
 namespace sideray::rt {
 
-// A ray to a lamp meets what casts shadows, one to the environment or to a surface that shines what paths meet.
+// A ray to a lamp hits what casts shadows; one to the environment or to a shining surface hits what paths hit.
 enum class BeamTarget { lamp, scene };
 
 struct Beam {

@@ -22,7 +22,8 @@ struct LitPoint {
 class EmitterSampler {
  public:
   EmitterSampler() = default;
-  // Keeps the snapshot. Surfaces with holes are left out, and so is what reflections do not show: rays alone meet those.
+  // Keeps the snapshot. Surfaces with holes, and those that reflections do not show, are left out: rays find them by
+  // chance.
   explicit EmitterSampler(std::shared_ptr<const model::Snapshot> snapshot);
 
   struct Sample {

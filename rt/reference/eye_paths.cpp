@@ -10,7 +10,7 @@
 namespace sideray::rt {
 namespace {
 
-// A ray of the eye meets at most this many surfaces: some never leave a solid.
+// A ray of the eye hits at most this many surfaces: some never leave a solid.
 constexpr uint32_t most_events = 256;
 // Below this share of light nothing more is followed.
 constexpr float least_transmittance = 1e-6f;
@@ -64,7 +64,7 @@ void EyePaths::find_stops(std::span<const EyeRay> rays, const EyeSettings& setti
   }
 }
 
-// Follows a ray as far as its surfaces are known. Returns false where it ends there.
+// Follows a ray along the surfaces found so far. Returns false where it ends there.
 bool EyePaths::go_on(View& view, const EyeSettings& settings) {
   WayEvent event;
   while (tracer_->ways().next(view.way, event)) {

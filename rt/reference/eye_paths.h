@@ -19,7 +19,7 @@ struct EyeRay {
 struct EyeSettings {
   uint32_t samples;    // paths of each ray, at least 1
   uint32_t position;   // the number of the sample position
-  bool is_end_given;   // what the eye sees straight on is not theirs to light
+  bool is_end_given;   // paths do not light what the eye sees straight on
   MediumStack media;   // in which the eye is
 };
 
@@ -27,8 +27,8 @@ struct EyeSettings {
 struct SeenByEye {
   glm::vec3 radiance[2];    // independent halves of the paths; with one path, the same twice
   glm::vec3 transmittance;  // of the straight ray's end where paths do not light that: it is given, or the sky
-  glm::vec3 sky;            // to the sky along rays that were bent, whose radiance holds it
-  uint32_t surfaces;        // translucent ones that were met
+  glm::vec3 sky;            // to the sky along bent rays; their radiance includes the sky
+  uint32_t surfaces;        // translucent surfaces hit
 };
 
 class EyePaths {
@@ -36,7 +36,7 @@ class EyePaths {
   void trace(std::span<const EyeRay> rays, const EyeSettings& settings, PathTracer& tracer, std::vector<SeenByEye>& seen);
 
  private:
-  // A ray of the eye as far as it is known.
+  // A ray of the eye, with the surfaces found so far.
   struct View {
     LightWay way;
     uint32_t ray;

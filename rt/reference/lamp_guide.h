@@ -13,7 +13,7 @@ class LampGuide {
  public:
   // Forgets all lamps.
   void clear() { count_ = 0, sum_ = 0.0f; }
-  // Adds a lamp that has a place. Only the most important ones are kept.
+  // Adds a lamp that has a place. Only the most important ones stay.
   void add(const ReferenceLight& light, const shading::SrIncidence& incidence);
   bool empty() const { return count_ == 0; }
 

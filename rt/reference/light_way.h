@@ -14,7 +14,7 @@
 
 namespace sideray::rt {
 
-// Describes a ray on its way, and the surfaces ahead that are known.
+// Describes a ray on its way, and the surfaces found ahead of it.
 struct LightWay {
   LightWay(const Ray& unit, Cone footprint, const MediumStack& around);
   // The ray ends at an opaque surface; no_instance: at none.
@@ -26,9 +26,10 @@ struct LightWay {
   Light light = Light::all;  // that it carries
   bool fresh = true;      // the opaque surface on the ray is still to be found
   bool bent = false;      // it has been refracted or scattered: backs are seen, as by the tracer of refracted rays
-  // It meets what the eye sees, whatever is visible in reflections, and no backs of opaque surfaces that have none.
+  // It hits what the eye sees, also what reflections do not show, and no backs of opaque surfaces that are not double
+  // sided.
   bool from_eye = false;
-  bool crossed = false;   // it has met a translucent surface: before, the eye may be inside of any
+  bool crossed = false;   // it has hit a translucent surface: before, the eye may be inside of any
   float absorbed = 0.0f;  // distance along the ray up to which its medium has absorbed
   Hit opaque;             // where the ray ends; no_instance: at none, or not looked for
   SurfacesAhead ahead;
@@ -61,10 +62,10 @@ class LightWays {
 
   // Finds the opaque surfaces at which those rays end that are fresh.
   void find_opaque(std::span<LightWay* const> ways);
-  // Finds the next translucent surfaces of those ways on which none is known and some may be left.
+  // Finds the next translucent surfaces of those ways that have used up theirs and may have more.
   void find_translucent(std::span<LightWay* const> ways);
-  // Takes the way's next surface that is there; the way stays in the media before it. Returns false where none is known: the
-  // way ends where it is complete.
+  // Takes the way's next surface; the way stays in the media in front of it. Returns false if none is left: a complete
+  // way ends there.
   bool next(LightWay& way, WayEvent& event) const;
   // Makes the way one of that light alone, and says how the surface bends it.
   void disperse(LightWay& way, WayEvent& event, Light light) const;

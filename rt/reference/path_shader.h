@@ -1,5 +1,5 @@
-// Shades surfaces by paths of any number of bounces (docs/adr/0028-paths.md): for those who find by themselves what the eye
-// sees. Holds scratch memory: one object per thread.
+// Shades surfaces by paths of any number of bounces (docs/adr/0028-paths.md): for callers that find the eye's surfaces
+// by themselves. Holds scratch memory: one object per thread.
 #pragma once
 
 #include <vector>

@@ -16,8 +16,8 @@ constexpr uint32_t paths_at_once = 2048;
 constexpr float short_of_light = 1e-5f;
 // The same for a surface that shines, which would block its own light.
 constexpr float short_of_emitter = 1e-3f;
-// Some paths never leave a solid: after so many surfaces one of ten ends at each, and the others count for it; and none
-// meets more than so many.
+// Some paths never leave a solid: from the first of these counts on one path of ten ends at each surface, and the
+// others count for it; no path hits more surfaces than the second.
 constexpr uint32_t patient_events = 64, most_events = 1024;
 constexpr float patience = 0.9f;
 // From this bounce on, paths that carry little end by Russian roulette, and the others count for them.
@@ -133,7 +133,7 @@ void PathTracer::follow() {
   }
 }
 
-// Follows the path as far as its surfaces are known.
+// Follows the path along the surfaces found so far.
 void PathTracer::advance(Path& path) {
   WayEvent event;
   while (ways_.next(path.way, event))
@@ -144,8 +144,8 @@ void PathTracer::advance(Path& path) {
     next_paths_.push_back(path);
 }
 
-// Lets the path meet a translucent surface. Returns whether it goes on along the same ray; where it goes on otherwise, it is
-// among the next paths.
+// Lets the path hit a translucent surface. Returns whether it goes on along the same ray; where it goes on otherwise,
+// it is among the next paths.
 bool PathTracer::meet(Path& path, WayEvent& event) {
   path.weight *= event.arriving;
   if (++path.events > most_events) return false;
@@ -198,7 +198,7 @@ bool PathTracer::pass(Path& path, WayEvent& event) {
   return false;
 }
 
-// Sends the path on in another direction. Nothing but paths finds what they meet then: it counts in full.
+// Sends the path on in another direction. Only paths find what they hit then: it counts in full.
 void PathTracer::bend(Path& path, const WayEvent& event, glm::vec3 direction) {
   ways_.redirect(path.way, event, direction);
   path.density = 0.0f;
@@ -213,7 +213,7 @@ glm::vec3 PathTracer::counted(const Path& path, const Hit& hit) const {
   return path.way.bent && emitters_->samples(hit) ? path.bent_share : glm::vec3(1.0f);
 }
 
-// Lets the path meet the opaque surface at the end of its ray, or the environment.
+// Lets the path hit the opaque surface at the end of its ray, or the environment.
 void PathTracer::end(Path& path) {
   if (path.way.opaque.instance == no_instance) {
     path.weight *= ways_.arriving(path.way, farthest);
@@ -368,8 +368,8 @@ void PathTracer::sample_emitter(const Path& path, const SurfacePoint& p, const L
   send(beam_from(path, p, direction, s.ray.t_far * (1.0f - short_of_emitter)), gain, bent_gain, BeamTarget::scene);
 }
 
-// Adds the lights with sizes that a path is reflected toward, which samples of the lights find too. `density`: that of the
-// direction; the path's weight holds what the surface reflects already.
+// Adds the sized lights that a reflected path hits, which light samples find too. `density`: that of the direction; the
+// path's weight includes what the surface reflects.
 void PathTracer::meet_lights(const Path& path, const SurfacePoint& p, glm::vec3 direction, float density) {
   for (const LitBy& lit : lit_) {
     const LightCone& cone = lit.cone;

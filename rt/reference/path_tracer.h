@@ -1,5 +1,5 @@
-// Follows paths of light from where the eye's rays meet surfaces to any number of bounces (docs/adr/0028-paths.md): surfaces
-// light each other, occlude the environment and cast caustics. Holds scratch memory: one object per thread.
+// Follows paths of light from the surfaces that the eye's rays hit, for any number of bounces (docs/adr/0028-paths.md):
+// surfaces light each other, occlude the environment and cast caustics. Holds scratch memory: one object per thread.
 #pragma once
 
 #include <vector>
@@ -64,13 +64,13 @@ class PathTracer {
   struct Path {
     LightWay way;
     uint32_t sum;
-    uint32_t set, number;  // of its points, of which other numbers are spread around
+    uint32_t set, number;  // of its points; other dimensions are derived from them
     uint32_t key;          // of the path's own random numbers
     uint32_t bounces;      // how many surfaces have reflected the light
-    uint32_t events;       // how many surfaces it has met in all
+    uint32_t events;       // surfaces hit in all
     glm::vec3 weight;      // what is made of radiance along the way
     float usual;           // the largest channel of its weight when it set out: roulette compares with that
-    float density;         // that of the ray's direction, where what it meets is sampled too; 0 where it is not
+    float density;         // that of the ray's direction, if what it hits is also sampled; else 0
     LitPoint from;         // where the ray comes from, as it is sampled for
     glm::vec3 bent_share;  // what of a shining surface's light counts that the ray finds once it is bent
   };

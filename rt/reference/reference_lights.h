@@ -14,7 +14,7 @@ struct ReferenceLight {
   float radius;          // that of the sphere; 0 = a point
   float angular_radius;  // that of the disc, radians; 0 = a direction
   bool sized() const { return radius > 0.0f || angular_radius > 0.0f; }
-  // Returns whether paths that are bent meet the light often enough to tell how bright it is: discs of 5 degrees and more.
+  // Returns whether refracted paths hit the light often enough to estimate it: discs of 5 degrees and more.
   bool is_wide() const { return angular_radius > 0.0436f; }
 };
 

@@ -120,7 +120,7 @@ class Pass {
     }
   }
 
-  // Makes the points of the opaque surfaces, and keeps what the image wants to know of them.
+  // Makes the points of the opaque surfaces, and stores what the image needs of them.
   void make_points(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
     w.points.clear(), w.point_pixels.clear();
     for (size_t i = 0; i < pixels.size(); ++i) {
@@ -178,7 +178,7 @@ class Pass {
     }
   }
 
-  // Lights what the eye sees by paths: but for the opaque picture where that is distorted.
+  // Lights what the eye sees by paths, except the opaque picture where it is distorted.
   void trace_paths(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
     if (position_ == 0 && request_.surfaces && !distorts_picture()) make_points(pixels, w);
     w.eye_rays.clear();

@@ -45,7 +45,7 @@ struct ReferenceWorker {
   struct Pixel {
     glm::vec3 background[2], radiance[2], transmittance;
     float coverage;  // of the background: 0 = sky
-    glm::vec3 sky;   // transmittance to it of bent rays, whose radiance holds it
+    glm::vec3 sky;   // transmittance to it along bent rays, whose radiance includes it
   };
   std::vector<Pixel> sums;
   std::vector<RefractedPixel> refracted_pixels;
@@ -59,7 +59,7 @@ class ReferenceTracing {
 
   // Refills `image`. Where the request is cancelled, it is unfinished. Throws Failure.
   Counters trace(const ReferenceRequest& request, TracedScene& scene, ReferenceImage& image);
-  // For a frame whose surfaces are shaded as in the reference; they hold until the next call.
+  // For a frame with surfaces shaded as in the reference; valid until the next call.
   ShaderSource& shaders(TracedScene& scene, const ReferenceLighting& lighting);
 
  private:

@@ -1,6 +1,6 @@
-// What opaque surfaces mirrored in frames before, for tiles that have no time: it stays with the surface, wherever the camera
-// has gone, as the filter has made it, and who was traced longest ago comes first in the next frame. One object a sequence.
-// One thread calls it; what is said of a tile may be said of several tiles at a time.
+// The history of reflections, for tiles that have no turn: filtered reflections are reprojected with their surface, and
+// the least recently traced tile comes first in the next frame. One object a sequence. One thread calls it, except
+// functions of one tile, which several threads may call for different tiles.
 #pragma once
 
 #include <cstdint>
@@ -21,17 +21,17 @@ class OlderReflections {
   static constexpr uint8_t oldest = 60;
   static constexpr uint8_t no_answer = 255;  // in place of an age
 
-  // Learns of a frame without time for all, whose image is to be filled. A frame that follows none, other lights,
-  // surroundings, materials or options leave nothing.
+  // Begins a frame that may have no time for all tiles, and whose image is to be filled. A frame that does not
+  // continue, and other lights, surroundings, materials or options, reset the history.
   void begin(const ReflectionRequest& request, TracedScene& scene, ReflectionImage& image);
-  // Nothing is known any longer.
+  // Resets the history.
   void forget() { known_ = false; }
 
   // In which frame each tile had its turn, 0 = never.
   const std::vector<uint32_t>& turns() const { return turns_; }
   // Learns that a tile is traced: it was emptied before.
   void traced(size_t tile);
-  // Makes a tile what it was, empty where nothing is known; counts its pixels that mirror anything.
+  // Fills a tile with its history, empty where there is none; counts its pixels that mirror anything.
   void leave(const ReflectionRequest& request, size_t tile, ReflectionImage& image, Counters& counters);
   // Learns that one of these was said of each tile.
   void end() { known_ = true; }

@@ -169,7 +169,7 @@ bool ReflectionTracing::gather(const Tile& tile, Worker& w) {
   return !w.points.empty();
 }
 
-// Fills radiance and, where rough lobes are told apart, rough.
+// Fills radiance and, if rough lobes are separate, rough.
 TraceEnd ReflectionTracing::reflect(const Tile& tile, Worker& w) {
   const ReflectionRequest& r = *tile.request;
   const bool by_host = tile.scene->snapshot->shader.shade != nullptr;
@@ -204,7 +204,7 @@ void ReflectionTracing::trace_tile(const Tile& tile, Worker& w, ReflectionImage&
       rough.radiance = w.radiance[i];
       rough.is_sampled = false;
     }
-    // Surfaces are told apart by where they lie and how they face: the depth buffer has no names.
+    // Surfaces are distinguished by place and normal: the depth buffer has no ids.
     filter_.chunk(tile.index).add(w.texels[i], w.texels[i], 1, w.points[i], w.radiance[i], rough);
   }
 }

@@ -27,7 +27,7 @@ class ReflectionTracing {
   Counters trace(const ReflectionRequest& request, TracedScene& scene, ReflectionImage& image);
 
  private:
-  // Memory of one thread, kept from frame to frame.
+  // Scratch memory of one thread, reused by the next frame.
   struct Worker;
   struct Tile {
     const ReflectionRequest* request;

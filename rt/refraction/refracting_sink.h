@@ -16,7 +16,7 @@ namespace sideray::rt {
 // Keeps a thread's memory from chunk to chunk.
 struct RefractingScratch {
   static constexpr uint32_t none = 0xffffffffu;
-  // The layer of a surface that bends light, as far as straight rays know it.
+  // The part of a refracting surface's layer that straight rays compute.
   struct Layer {
     uint32_t pixel;
     float cover;

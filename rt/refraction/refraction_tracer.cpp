@@ -211,7 +211,7 @@ RefractionTracer::Search RefractionTracer::next_search(const Path& path) const {
   return path.refracted && path.ahead.last.instance == no_instance && !path.ahead.deep ? Search::place : Search::rest;
 }
 
-// Returns whether the ray's end has to be known before its next surface is made: sprites fade toward what is opaque behind
+// Returns whether the ray's end is needed before its next surface is made: sprites fade toward what is opaque behind
 // them.
 bool RefractionTracer::wants_end(const Path& path) const {
   const std::vector<model::Instance>& instances = context_->scene->surfaces.snapshot->instances;
@@ -256,8 +256,8 @@ void RefractionTracer::find_places() {
   }
 }
 
-// Finds the opaque surfaces at which refracted rays end, as far as translucent ones are known where only their place was
-// looked for. Bent or not, they are rays of the eye and pass backs of materials that are not double sided.
+// Finds the opaque surfaces at which refracted rays end, up to the translucent ones found before. Bent or not, they are
+// rays of the eye and pass backs of materials that are not double sided.
 void RefractionTracer::find_opaque() {
   rays_.clear();
   group_.clear();
@@ -339,8 +339,8 @@ void RefractionTracer::make_next_surfaces() {
   make_surfaces(first);
 }
 
-// Takes the next surface that counts from those ahead. Returns false where it, or that there is none, is not known yet, and
-// says what has to be searched.
+// Takes the next surface that counts from those ahead. Returns false if that is undecided yet, and sets what has to be
+// searched.
 bool RefractionTracer::settle(Path& path) const {
   if (path.met >= path.wanted) return find_way_out(path);
   path.search = Search::nothing;

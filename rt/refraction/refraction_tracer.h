@@ -30,7 +30,7 @@ struct RefractionContext {
   const FrameContext* frame;
   const RefractionScene* scene;
   MediumStack at_eye;  // media at the eye of a perspective view
-  bool exact;  // many directions leave a rough surface, and rays go to the last surface of which anything can be seen
+  bool exact;  // many directions leave a rough surface, and rays continue to the last visible surface
 };
 
 RefractionContext refraction_context(const FrameContext& frame, const RefractionScene& scene, bool exact);
@@ -46,7 +46,7 @@ struct FirstBend {
   uint32_t key;     // of its pixel, for random numbers
   uint32_t before;  // how many surfaces the ray hit before it
   RayReuse::Pixel pixel;
-  bool is_lit;      // what light leaves the surface itself toward the eye is known already, and left out
+  bool is_lit;      // the light of the surface itself is computed already, and left out
 };
 
 // Holds where a path ended that was followed for its way alone.
@@ -113,7 +113,7 @@ class RefractionTracer {
     uint32_t turns;  // rays before this one
     MediumStack media;
     bool refracted;
-    float clear;    // of a refracted ray: nothing opaque is nearer; `farthest`: it is known what it ends at
+    float clear;    // of a refracted ray: nothing opaque is nearer; `farthest`: its end has been found
     Hit opaque;     // where a refracted ray ends
     SurfacesAhead ahead;
     Search search;

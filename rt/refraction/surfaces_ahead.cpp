@@ -7,7 +7,8 @@
 namespace sideray::rt {
 namespace {
 
-// A further round starts this share of the distance before the last surface, and skips by the total order what is known.
+// A further round starts this share of the distance before the last surface, and skips by the total order what was
+// found before.
 constexpr double step_back = 1e-6;
 // This is the sine of the least angle between a refracted ray and the surface.
 constexpr float least_elevation = 1e-3f;

@@ -17,7 +17,7 @@ namespace sideray::rt {
 // A translucent surface this share of the distance before an opaque one lies on it, as in ViewRays::end_of_ray.
 inline constexpr float on_opaque_surface = 0x1p-21f;
 
-// Holds a ray's next translucent surfaces, as far as they are known.
+// Holds a ray's next translucent surfaces, as far as they have been found.
 struct SurfacesAhead {
   static constexpr uint32_t most = 4;
 

@@ -11,7 +11,7 @@ namespace sideray::rt {
 
 // Returns whether the snapshots differ only in where instances and vertices are.
 bool differ_in_places_only(const model::Snapshot& a, const model::Snapshot& b);
-// Returns whether they do not even differ there. Commits that change nothing are equal, but for their revisions.
+// Returns whether they do not even differ there. Commits that change nothing are equal except for their revisions.
 bool are_equal(const model::Snapshot& a, const model::Snapshot& b);
 
 // However the sprite is turned.

@@ -39,7 +39,7 @@ class DirectLight {
   ShadowRays rays_;
   StraightLight straight_;
   bool tints_ = false;
-  std::vector<Ray> free_;  // rays that nothing opaque stops and that may meet something translucent
+  std::vector<Ray> free_;  // rays that nothing opaque stops and that may hit something translucent
   std::vector<uint32_t> of_free_;
   std::vector<glm::vec3> gains_;  // what the rays bring, where the scene has something that tints light
   std::vector<uint8_t> blocked_;

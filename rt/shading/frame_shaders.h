@@ -28,7 +28,7 @@ class FrameShaders final : public ShaderSource {
     const Intersector& intersector;
     HostCalls calls;
     bool shadows;
-    bool tells_rough;  // rough reflections are told apart
+    bool tells_rough;  // rough reflections are returned apart
     float error;       // LayerRequest::ray_reuse
   };
   explicit FrameShaders(uint32_t threads) : threads_(threads) {}

@@ -15,9 +15,9 @@ glm::vec3 base_weight(const shading::SrSurface& s) {
   return shading::sr_specular_albedo(s) * (s.below_sheen * (1.0f - s.coat_share) * s.occlusion);
 }
 
-// Returns whether a lobe's directions lie within a degree, and are so little of what is seen, that their middle stands
-// for all of them: it has no noise, needs no filter, and is reused like a mirror's. Others are known by one random
-// direction a point, and the filter needs all there are.
+// Returns whether a lobe is so narrow and so faint that its middle direction represents all of it: it has no noise,
+// needs no filter, and is reused like a mirror's. Others are sampled by one random direction a point, and the filter
+// needs all of them.
 bool is_narrow(float roughness, float weight) {
   constexpr float most_roughness = 0.1f, most_weight = 0.1f;
   return roughness <= most_roughness && weight <= most_weight;

@@ -103,7 +103,7 @@ void HostPoints::find_light(std::span<const SurfacePoint> points, const shading:
   if (straight_.is_tinted()) pass_glass(bit);
 }
 
-// Finds what translucent surfaces leave of the light whose rays were traced.
+// Finds what translucent surfaces leave of the light along the traced rays.
 void HostPoints::pass_glass(uint32_t bit) {
   free_.clear();
   of_free_.clear();

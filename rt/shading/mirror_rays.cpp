@@ -20,7 +20,7 @@ float mean(glm::vec3 v) {
   return (v.x + v.y + v.z) * (1.0f / 3.0f);
 }
 
-// Returns 1 / distance of a hit, which is taken to be no nearer than rounding can tell.
+// Returns 1 / distance of a hit, which is at least as far off as rounding can resolve.
 float nearness_of(const Hit& hit) {
   return 1.0f / std::max(static_cast<float>(hit.distance), 1e-6f);
 }

@@ -32,7 +32,7 @@ glm::vec3 start_of_ray(const SurfacePoint& point);
 
 class MirrorRays {
  public:
-  // The caller keeps all arguments. `met` shades the secondary hits.
+  // All arguments must outlive the object. `met` shades the secondary hits.
   void begin(const ShadingScene& scene, const Intersector& intersector, SecondaryHitShader& met);
   void clear();
   // `origin` is where the ray of a true mirror starts.

@@ -13,9 +13,9 @@
 
 namespace sideray::rt {
 
-// Holds the part of a point's light that rough lobes reflect, or let through, known from one random direction alone.
-// radiance * weight is contained in the point's light; another estimate of the radiance, as a filter makes it, may take
-// its place.
+// Holds the part of a point's light that rough lobes reflect, or let through, sampled by one random direction. radiance
+// * weight is contained in the point's light; another estimate of the radiance, as a filter makes it, may take its
+// place.
 struct RoughReflection {
   glm::vec3 radiance;
   glm::vec3 weight;  // 0: nothing here depends on a random direction
@@ -54,8 +54,8 @@ class PointShader : public ShaderWork {
   // Returns how many independent estimates shade() makes of each radiance.
   virtual uint32_t estimates() const { return 1; }
 
-  // Says in which media the points of the next call are seen, one entry a point; valid during that call. Only those who
-  // follow rays inside of volumes read it.
+  // Says in which media the points of the next call are seen, one entry a point; valid during that call. Only shaders
+  // that follow rays inside of volumes read it.
   virtual void within(const MediumStack* /*media*/) {}
 
   // Writes radiance[i * estimates() + e] = C of dst = C * cover + dst * through at points[i]. Neighbouring points
@@ -71,7 +71,7 @@ class PointShader : public ShaderWork {
   // Returns the interface for points that reuse rays; null where each needs its own.
   virtual RaySharing* sharing() { return nullptr; }
 
-  // Returns the rough reflection of each point that shade() had last; empty where the shader does not tell it apart.
+  // Returns the rough reflection of each point of the last shade(); empty if the shader does not return it apart.
   virtual std::span<const RoughReflection> rough() const { return {}; }
 };
 

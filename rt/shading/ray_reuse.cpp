@@ -142,8 +142,8 @@ class RayReuse::Receiver {
   explicit Receiver(const SurfacePoint& point)
       : position_(four(point.position)), normal_(four(point.geometric_normal)), surface_(side_of(point)) {}
 
-  // Returns how far the donor is off the point's plane; infinity where it is not on the same part of the point's
-  // surface: near its plane, but for the deviation that a curve through both explains.
+  // Returns how far the donor is off the point's plane; infinity if it is not on the same part of the point's surface:
+  // near its plane, except for the deviation of a curve through both.
   float off(const Donor& donor) const {
     constexpr float flat = 0.05f, most_bend = 0.5f;
     if (donor.surface != surface_) return INFINITY;
@@ -185,7 +185,8 @@ void RayReuse::list_donors(std::span<const SurfacePoint> points, std::span<const
   }
 }
 
-// Returns the donor of a pixel, whose first is `first`, that is least off the receiver's plane; null where there is none.
+// Returns the donor, of those of a pixel that begin at `first`, that is least off the receiver's plane; null if there
+// is none.
 const RayReuse::Donor* RayReuse::like(const Receiver& receiver, uint32_t first) const {
   const Donor* best = nullptr;
   float least = INFINITY;
@@ -198,7 +199,7 @@ const RayReuse::Donor* RayReuse::like(const Receiver& receiver, uint32_t first) 
   return best;
 }
 
-// Fills in what the point reuses, and says in place of which rays.
+// Fills in what the point reuses, and which rays that replaces.
 RayReuse::Reused RayReuse::reuse(const SurfacePoint& point, Pixel pixel, const RayProspect& prospect,
                                  ReusedRays& reused) {
   reused = {};

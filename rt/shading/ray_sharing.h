@@ -1,4 +1,4 @@
-// What the rays of a point found, and what is known without them: what shaders exchange that reuse rays of other points.
+// The values that shaders exchange to reuse rays of other points: what a point's rays found, and what needs no rays.
 // Plain values, and the interface of such shaders, which belong to one thread.
 #pragma once
 
@@ -18,12 +18,12 @@ struct RayAnswer {
   glm::vec3 arrived{0.0f};   // what of it arrives
 };
 
-// Holds what is known of a point without rays.
+// Holds the values of a point that need no rays.
 struct RayProspect {
   glm::vec3 offered;  // RayAnswer::offered
   float share;  // of what the mirror direction shows, in what the eye sees; below least_mirror_share nothing is traced
-  // Its mirrors need rays of their own: a coat mirrors by itself, or a rough lobe that counts is known from one random
-  // direction a point, and a filter needs all of these.
+  // Its reflections need rays of their own: a coat mirrors by itself, or a rough lobe that counts is sampled by one
+  // random direction a point, and a filter needs all of these.
   bool keeps_mirrors;
 };
 
@@ -44,7 +44,7 @@ class RaySharing {
   virtual ~RaySharing() = default;
   // Writes what the rays of the points of the last PointShader::shade() found.
   virtual void write_answers(RayAnswer* answers) const = 0;
-  // Takes points for shade_reusing(), and writes what is known of each.
+  // Takes points for shade_reusing(), and writes what needs no rays of each.
   virtual void consider(std::span<const SurfacePoint> points, RayProspect* prospects) = 0;
   // Writes the light that leaves these points, with reused rays in place of shadow rays and, mostly, of mirror rays.
   // PointShader::rough() has answers then.

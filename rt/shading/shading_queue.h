@@ -25,7 +25,7 @@ class ShadingQueue {
   // Runs what comes until done() or the time is out; calls done() again after each batch and each wake().
   void serve_until(std::chrono::steady_clock::time_point end, const std::function<bool()>& done);
 
-  // Makes whoever waits look at `cancelled`, or done(), again.
+  // Makes waiting threads check `cancelled`, or done(), again.
   void wake();
 
  private:

@@ -16,7 +16,7 @@
 
 namespace sideray::rt {
 
-// A ray of which no channel keeps more than this share is taken to keep nothing.
+// A ray with at most this share left in every channel counts as dark.
 inline constexpr float least_straight_light = 1e-4f;
 
 // Describes a translucent surface that a straight ray passes.
@@ -37,9 +37,9 @@ inline bool is_solid(const RefractionScene& media, const Hit& hit) {
   return media.surfaces.snapshot->instances[hit.instance].solid && media.medium(hit.instance).volume;
 }
 
-// Returns what is left of light along a straight ray of a length that passes the surfaces `met`, in order. Solids nest as
+// Returns the transmittance of a straight ray of a length through the surfaces `met`, in order. Solids nest as
 // MediumStack says. Other volumes and thin walls absorb by their material's thickness. `within`: the media in which the
-// ray begins; null: those whose backs it meets without having met their fronts. A length of `farthest` / 2 or more: the
+// ray begins; null: those whose backs it hits without having hit their fronts. A length of `farthest` / 2 or more: the
 // ray ends outside all of them.
 glm::vec3 straight_transmittance(const RefractionScene& media, std::span<const StraightSurface> met, float length,
                                  const MediumStack* within = nullptr);
@@ -50,13 +50,13 @@ class StraightLight {
   void begin(const ShadingScene& scene, const Intersector& intersector);
   // Returns whether anything translucent in the scene throws a shadow (model::tints_light()); otherwise no ray is followed.
   bool is_tinted() const { return scene_->glass != nullptr; }
-  // Appends to `rays` those that may meet anything of that kind, but for blocked ones (1), and their numbers to `numbers`.
+  // Appends to `rays` those that may hit such a surface, except blocked ones (1), and their numbers to `numbers`.
   void choose(const RayColumns& from, const uint8_t* blocked, std::vector<Ray>& rays, std::vector<uint32_t>& numbers);
   // Follows rays that nothing opaque stops.
   void follow(std::span<const Ray> rays);
-  // Returns what is left of the light of a ray, 1 where it met nothing.
+  // Returns the transmittance of a ray, 1 if it hits nothing.
   const glm::vec3& through(size_t ray) const { return through_[ray]; }
-  // Returns how far along the ray the nearest surface is that keeps something; infinite where there is none.
+  // Returns the distance along the ray of the nearest surface that absorbs or reflects; infinite if there is none.
   float distance(size_t ray) const { return distance_[ray]; }
 
   uint64_t traversals = 0;  // rays that were followed, since begin()

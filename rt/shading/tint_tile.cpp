@@ -32,8 +32,8 @@ uint8_t mean(uint32_t sum, uint32_t count) {
 
 }  // namespace
 
-// Blocks of 8x8 pixels, each of which is looked at in a fifth of its pixels first: where these agree and the blocks beside
-// are tinted or not as it is, the others are alike.
+// Blocks of 8x8 pixels. A fifth of the pixels of each is traced first: if these agree, and the blocks beside agree with
+// it about being tinted at all, the others take their mean.
 class TileTints::Blocks {
  public:
   void add(uint32_t pixel, const std::array<uint8_t, 3>& left, float distance) {

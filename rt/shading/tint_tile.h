@@ -1,4 +1,5 @@
-// Finds what translucent surfaces leave of a light in the pixels of a tile, of whose rays some tell of those beside them.
+// Finds what translucent surfaces leave of a light in the pixels of a tile, tracing some of them and interpolating the
+// others.
 #pragma once
 
 #include <array>
@@ -12,8 +13,8 @@
 
 namespace sideray::rt {
 
-// Holds what is left of red, green and blue, 255 = all, and how far along the ray the first surface is that keeps something,
-// infinite where none does. Row by row, unlike the pixels of a PointTile.
+// Holds what is left of red, green and blue, 255 = all, and the distance along the ray of the first surface that
+// absorbs or reflects, infinite if there is none. Row by row, unlike the pixels of a PointTile.
 struct TintTile {
   uint32_t layer, tile;
   std::array<std::array<uint8_t, point_tile_pixels>, 3> left;
@@ -26,7 +27,7 @@ struct TileLight {
   RayColumns rays;
   const uint16_t* pixels;  // the index of each ray's pixel in the tile
   const uint8_t* blocked;  // 1: something opaque stops the ray
-  // Tints are filtered: of pixels whose neighbours differ every other one is enough, the others in the next frame.
+  // Tints are filtered: where neighbours differ, every other pixel is traced, and the rest in the next frame.
   bool filtered;
   uint32_t seed;
 };
@@ -53,7 +54,7 @@ class TileTints {
   std::vector<Ray> clear_, chosen_;  // rays that nothing opaque stops; those that are followed
   std::vector<uint32_t> of_clear_, of_chosen_;  // their pixels
   std::array<uint8_t, point_tile_pixels> known_{};  // row by row: 1 = its ray was followed
-  TintTile* tint_ = nullptr;                        // null: nothing is tinted so far
+  TintTile* tint_ = nullptr;                        // null: nothing has been tinted yet
 };
 
 }  // namespace sideray::rt

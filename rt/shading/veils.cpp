@@ -10,7 +10,7 @@ constexpr uint32_t most_layers = 16;
 // A pixel has a few rays for half the sky: each stands for all around it, and textures are read as coarse as that.
 constexpr Cone wide{0.0f, 0.5f};
 
-// What the wind moves is left out: kept masks are told apart by commits, and it moves between them.
+// What the wind moves is left out: reused masks are invalidated by commits, and it moves between them.
 bool is_veil(const model::Instance& instance) {
   return instance.wind == 0 && (instance.visibility & SIDERAY_VISIBLE_AO) != 0;
 }

@@ -96,7 +96,7 @@ glm::vec3 inner_of(const shading::SrSurface& s) {
   return s.tint * (s.below_sheen * (1.0f - s.coat_share));
 }
 
-// As set_reflectance() has it: so much leaves a rough lobe in all, and a smooth one reflects what its term says.
+// As in set_reflectance(): a rough lobe reflects its albedo, and a smooth one its Fresnel term.
 glm::vec3 edge_of(const shading::SrSurface& s) {
   constexpr float smooth = 0.04f;
   const float kept = s.albedo_terms.x + s.albedo_terms.y;

@@ -12,7 +12,7 @@
 
 namespace sideray::rt {
 
-// Holds the instances whose inside a ray is in, in the order in which it entered them. The last one counts: a marble in
+// Holds the instances that a ray is inside of, in the order in which it entered them. The last one counts: a marble in
 // water is glass, and where liquid overlaps the wall of its glass there is no gap of air between them.
 class MediumStack {
  public:
@@ -109,7 +109,7 @@ class KeptRefractionScene {
 struct Crossing {
   bool interface;  // otherwise nothing is there: the ray is in another medium before and behind it
   float ior_from, ior_to;
-  uint32_t absorber;  // instance whose inside the ray came through although it never entered it, or no_instance
+  uint32_t absorber;  // instance that the ray was inside of without having entered it, or no_instance
   bool disperses;     // light of all channels is bent apart
 };
 

@@ -88,7 +88,7 @@ void store_point(const SurfacePoint& point, SurfaceBlock& block, size_t lane) {
   for (uint32_t r = 0; r < surface_words; ++r) rows[r][lane] = words[r];
 }
 
-// Makes the surfaces of up to sixteen hits, but for sprites; the last one fills the lanes that are left over.
+// Makes the surfaces of up to sixteen hits, except sprites; the last one fills the lanes that are left over.
 void make_solids(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
                  SurfaceBlock& block) {
   HitBlock places;
@@ -256,7 +256,7 @@ void SurfaceBatch::reflect_environment(size_t block, uint32_t lanes) {
   look_up(a.mirror, {a.normal, a.roughness}, lanes, a.specular);
 }
 
-// Writes the prefiltered radiance that the lobes of the lanes whose bit is set show.
+// Writes the prefiltered radiance of the lobes, for the lanes whose bit is set.
 void SurfaceBatch::look_up(const BlockRow (&mirror)[3], const LobeRows& lobe, uint32_t lanes,
                            BlockRow (&radiance)[3]) const {
   alignas(64) BlockRow uv[2], found[3];

@@ -21,8 +21,8 @@ struct HitPlace {
   float weight = 1.0f;  // SurfacePoint::weight
 };
 
-// Says for how much light in the pixel a shadow ray stands. A light that adds `most` or more is traced for sure. Fainter
-// ones are drawn: each ray stands for all that lights add at the point, but for no more than `most` and no less than
+// Says how much light in the pixel a shadow ray represents. A light that adds `most` or more is traced for sure.
+// Fainter ones are drawn: each ray represents all that lights add at the point, but at most `most` and at least
 // `least`.
 struct LightOdds {
   float least, most;
@@ -75,7 +75,7 @@ class SurfaceBatch {
 
   // Lets the mirror directions show the prefiltered environment.
   void reflect_environment();
-  // The same for the lanes of one block whose bit is set, but for coats.
+  // The same for the lanes of one block whose bit is set, without coats.
   void reflect_environment(size_t block, uint32_t lanes);
 
   // Writes what environment_specular_at() says of each place, bit for bit.

@@ -38,7 +38,7 @@ struct alignas(16) Patch {
   Four edge1;     // and the largest coordinate that takes part in placing the triangle
   Four edge2;     // and 1 where the instance is mirrored
   Four normal;    // not unit
-  Four position;  // and 1 where the volume is left, whose thickness counts where it is entered
+  Four position;  // and 1 where a volume is left: its thickness counts where it is entered
   Four tangent;   // not unit
 };
 

@@ -34,10 +34,10 @@ struct SurfacePoint {
   Cone cone;         // from the point on: width here, spread per unit of distance
   float distortion;  // the material's
   int blend;         // sideray_blend_mode
-  uint32_t key;      // for random numbers here: set where pixel, position and layer are known (rt/base/sampling.h)
+  uint32_t key;      // for random numbers here: made of pixel, position and layer (rt/base/sampling.h)
   Hit hit;           // the hit that this is the point of
   shading::SrBlend blended;            // sr_blend() of the surface; whoever changes the surface computes it anew
-  float weight = 1.0f;  // of its light in the pixel, in the channel where that is greatest; 1 = not known to be less
+  float weight = 1.0f;  // of its light in the pixel, in the channel where that is greatest; 1 = an upper bound
   const HostAnswer* answer = nullptr;  // the host's, where there is one; owned by its giver
 };
 

@@ -58,7 +58,7 @@ struct Choice {
   float within;  // 0..1
 };
 
-// Chooses the cell whose share holds u, of `count` cells.
+// Chooses the cell, of `count`, whose share contains u.
 Choice choose(const float* shares, uint32_t count, float u) {
   const float* next = std::upper_bound(shares + 1, shares + count, u);
   const auto cell = static_cast<uint32_t>(next - shares - 1);

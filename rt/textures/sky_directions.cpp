@@ -14,8 +14,8 @@ constexpr uint32_t faces = 6;
 constexpr uint32_t cells_across = 16, face_cells = cells_across * cells_across, cell_count = faces * face_cells;
 constexpr uint32_t facings_across = 8, facing_count = faces * facings_across * facings_across;
 constexpr uint32_t guide_count = 1024;
-// Of the draws, those that know nothing of the environment. They bound every weight: what the table has too low, since
-// a normal is not the middle of its cell, costs noise and no more (defensive sampling, Hesterberg 1995).
+// Share of the draws that ignore the environment. They bound every weight: where the table is too low, since a normal
+// is not the middle of its cell, only noise grows (defensive sampling, Hesterberg 1995).
 constexpr double blind = 0.25;
 // Sine of the largest angle between a direction and a normal and those of their cells, about.
 constexpr float doubt = 0.2f;
@@ -37,7 +37,7 @@ uint32_t cell_along(float s, uint32_t across) {
   return x > 0.0f ? std::min(static_cast<uint32_t>(x), across - 1) : 0;
 }
 
-// Returns the cell that a direction is in, of a cube whose faces have `across` by `across`.
+// Returns the cell of a direction, in a cube with `across` by `across` cells a face.
 uint32_t cell_of(glm::vec3 d, uint32_t across) {
   const glm::vec3 size = glm::abs(d);
   const bool on_x = size.x >= size.y && size.x >= size.z, on_y = !on_x && size.y >= size.z;

@@ -53,7 +53,7 @@ class ObjectRays {
     add(ray, hit, first);
   }
 
-  // The opaque surfaces are known already. The first translucent surface before them hides the first of them.
+  // The opaque surfaces are found already. The first translucent surface before them hides the first of them.
   void meet_translucent(RayObjects& ray, const Hit& hit) const {
     const bool before = ray.opaque.instance == no_instance || hit.distance < ray.opaque.distance * (1.0 - on_opaque);
     const bool first = before && ray.translucent.instance == no_instance;

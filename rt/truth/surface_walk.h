@@ -37,7 +37,8 @@ class SurfaceWalk {
  private:
   // So many surfaces are found in a round, more where they all lie at one place.
   static constexpr uint32_t surfaces_in_round = 8, most_surfaces_in_round = 64;
-  // A further round starts this share of the distance before the last surface, and skips by the total order what is known.
+  // A further round starts this share of the distance before the last surface, and skips by the total order what was
+  // found before.
   static constexpr double back_step = 1e-6;
 
   // A ray that further rounds are needed for.
@@ -56,7 +57,7 @@ class SurfaceWalk {
     for (uint32_t i = 0; i < rays.size(); ++i) open_.push_back({i, rays[i], {}}), open_.back().last.instance = no_instance;
     for (uint32_t layers = surfaces_in_round; !open_.empty();) {
       const bool advanced = step(layers, met, round);
-      if (!advanced && layers == most_surfaces_in_round) return;  // more at one place than can be told apart
+      if (!advanced && layers == most_surfaces_in_round) return;  // more at one place than can be distinguished
       layers = advanced ? surfaces_in_round : most_surfaces_in_round;
     }
   }

@@ -193,7 +193,8 @@ uint64_t CacheTextures::upload(const gl::Functions& gl, const rt::LayerCache& ca
   return upload_.send(gl, pieces, way);
 }
 
-// Transmittances say which pixels are whole: they go where some are, or were. The radiance of the others is never read.
+// The transmittance says which pixels are whole, so it is uploaded where some are or were. The radiance of other pixels
+// is never read.
 void CacheTextures::add_whole(const gl::Functions& gl, const rt::LayerCache& cache, const Storage& to,
                               const std::vector<uint8_t>& dirty, rt::Executor& executor,
                               std::vector<TexturePiece>& pieces) {

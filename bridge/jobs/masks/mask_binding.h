@@ -1,5 +1,5 @@
-// Gives a host's program the masks of a frame, where it asks for them by the snippet's sideray_shadow(), sideray_ao() and
-// what finds those of older frames. GL thread.
+// Gives a host's program the masks of a frame, if it reads them by the snippet's sideray_shadow(), sideray_ao() or the
+// functions for earlier frames. GL thread.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,8 @@ bool reads_tints(const gl::Functions& gl, uint32_t program);
 bool reads_mask_depth(const gl::Functions& gl, uint32_t program);
 bool reads_mask_answers(const gl::Functions& gl, uint32_t program);
 
-// `program` is in use. Only units whose sampler it has are bound. Whatever the outputs lack answers 1. The active unit is the
-// caller's to put back. `space_origin`: where the program's positions are measured from.
+// `program` is in use. Only units whose sampler it has are bound. Whatever the outputs lack answers 1. The caller
+// restores the active unit. `space_origin`: where the program's positions are measured from.
 void bind_masks(const gl::Functions& gl, uint32_t program, uint32_t first_unit, const MaskJob& job,
                 glm::dvec3 space_origin);
 

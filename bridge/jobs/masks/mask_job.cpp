@@ -101,7 +101,7 @@ void MaskJob::prepare(const gl::Functions& gl, const JobFrame&) {
   textures_.prepare(gl, image_);
 }
 
-// A mask that is kept is in its texture already: where an upload fails, the next frame keeps none.
+// A reused mask is in its texture already: if an upload fails, the next frame reuses none.
 bool MaskJob::is_held(uint32_t layer) const {
   return kept_.keeps(layer) && !kept_.brings_back();
 }

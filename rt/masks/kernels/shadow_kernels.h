@@ -39,7 +39,7 @@ struct ShadowKernels {
   void (*slope)(const ShadowPlanes& planes, int32_t at);
   void (*load)(const float* visibility, const float* hit_distance, const ShadowPlanes& planes, int32_t at,
                ShadowColumns& columns);
-  // `nearness`: that of what shades the tiles around, where a pixel's own neighbours do not know.
+  // `nearness`: that of the occluders of the tiles around, for pixels without an occluder among their neighbours.
   void (*prepare)(const ShadowTerms& terms, const ShadowPlanes& planes, int32_t at, int32_t x, int32_t y,
                   float nearness, float* most_reach);
   void (*blur)(const ShadowPlanes& planes, int32_t at, int32_t step);

@@ -140,7 +140,7 @@ SIDERAY_LANE SfMoments moments_around(const ShadowPlanes& p, SfPlane plane, int3
   return {total, sum / most, square / most};
 }
 
-// Returns what the frame before knows at (x, y), between four pixels of which those on the plane count.
+// Returns the previous frame's value at (x, y), interpolated between those of four pixels that lie on the plane.
 SIDERAY_LANE SfHistory history_at(const ShadowHistoryPlanes& before, SfPlane plane, real x, real y, int32_t first,
                                   int32_t stride) {
   const real corner_x = floor(x), corner_y = floor(y);
@@ -177,7 +177,7 @@ void accumulate_row(const ShadowTerms& terms, const ShadowPlanes& p, const Shado
         min(max(real(-2.0f), here_y - load_any(motion + shadow_tile + i)), static_cast<float>(height + 1));
     const SfHistory known = history_at(before, then, from_x, from_y, first, p.stride);
     const real seen = load_any(p.visibility + at);
-    // What is known to be as it is seen now needs not be held to what is around.
+    // What is known exactly need not be clamped to its neighbourhood.
     SfMoments around{0.0f, 0.0f, 0.0f};
     if (sr_any(known.frames > 0.0f && !(known.value == seen))) around = moments_around(p, plane, at);
     const SfHistory now =
