@@ -89,7 +89,7 @@ double Tracer::update_ms() const {
 }
 
 void Tracer::run(size_t count, const std::function<void(size_t index, uint32_t worker)>& work) {
-  // Between what is traced a thread calculates as the caller's does when it traces alone.
+  // Between traces denormals are kept, as on the calling thread.
   state_->scene.executor().run(count, [&](size_t index, uint32_t worker) {
     const KeepDenormals keep;
     work(index, worker);

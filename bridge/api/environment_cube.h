@@ -1,4 +1,5 @@
-// Turns the six faces of a cube map into the lat-long picture that environments are kept as. Any thread may call it.
+// Turns the six faces of a cube map into a lat-long picture, the form in which environments are stored. Any thread may
+// call it.
 #pragma once
 
 #include <cstdint>

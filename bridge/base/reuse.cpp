@@ -11,7 +11,7 @@ namespace {
 // At this bound no scene that was measured is farther off the reference by more than 0.0007 FLIP (docs/translucency.md).
 constexpr float auto_reuse = 0x1p-6f;
 
-// An eye sees the change in a picture as it is shown.
+// The bound is on the displayed picture.
 float as_shown(float radiance, float exposure) {
   return radiance * elementary::exp2(-std::max(exposure, 0.0f));
 }

@@ -20,7 +20,7 @@ void require(const T* pointer, const char* name) {
 // A caller that left `size` uninitialised gives nonsense; no version of a struct will be this much larger than today's.
 inline constexpr size_t most_unknown_bytes = 4096;
 
-// Throws where `size` can be that of no version of a struct that has `known_bytes` today.
+// Throws if `size` cannot be that of any version of a struct that has `known_bytes` today.
 inline void require_size(size_t size, size_t known_bytes, const char* name) {
   if (size < sizeof(size_t) || size > known_bytes + most_unknown_bytes)
     fail(SIDERAY_INVALID_ARGUMENT, "{}: size is {}, where this version has {}; set it to sizeof(the struct)", name,

@@ -64,7 +64,7 @@ std::optional<std::vector<rt::Mover>> movers_between(const PictureInputs& before
   return rt::find_movers(*before.snapshot, *now.snapshot);
 }
 
-// Returns whether so much of a picture begins anew that it is drawn as a whole: masks then gain more from the frames before.
+// Returns whether so much of a picture restarts that it is drawn as a whole: then masks gain more from their history.
 bool are_too_many(const std::vector<uint8_t>& changes) {
   const auto same = static_cast<size_t>(std::ranges::count(changes, tile_unchanged));
   return 4 * same < changes.size();
@@ -184,7 +184,7 @@ void Sequence::show(const FramePlan& plan, const rt::Counters& trace, std::vecto
     colors = whole ? still_.add(colors, average) : still_.wait();
     return;
   }
-  // Pixels may lack answers even so, which those of a frame from beside them did not reach.
+  // Pixels may lack answers even then, where reprojection did not reach them.
   is_settled_ = trace.frames_waiting < rests_for_;
   // Under a budget half of the average and more may be of before the change.
   const uint32_t counts = has_budget(inputs_.options) ? std::min(averaged_ + 1, most_averaged_under_budget) : averaged_ + 1;

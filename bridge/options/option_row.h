@@ -49,8 +49,7 @@ struct OptionRow {
   std::vector<const char*> choices;  // the same as the public struct has them
   const char* range = "";           // in words, where it is not minimum to maximum
 
-  // Puts a value where the library reads it, and finds it there. nullptr: the library does not read it, or it is no
-  // number.
+  // Writes a value to its field, and reads it from there. nullptr: it has no field, or is no number.
   void (*store)(OptionValues&, const OptionValue&) = nullptr;
   double (*load)(const OptionValues&) = nullptr;
   // Why the way of drawing does not read the option; nullptr where it does. Statistics leave it out then.
@@ -61,7 +60,7 @@ struct OptionRow {
   std::string (*settled)(const OptionValues&, const OptionScene&, const std::string& text) = nullptr;
   // How the value makes pictures depend on those before them; nullptr: it does not.
   sideray_past (*past)(const OptionValues&) = nullptr;
-  // Adds the shortcut that values other than the exact one are, taken or not; nullptr: they are none.
+  // Adds the shortcut that a value other than the exact one means, taken or not; nullptr: there is none.
   void (*shortcuts)(const OptionValues&, const OptionScene&, std::vector<Shortcut>&) = nullptr;
   // Throws Failure where the value contradicts other options. In the public structs, which give every option a value, most
   // contradictions mean that the value is not read; `checks_structs`: this one does not.

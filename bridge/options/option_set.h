@@ -25,7 +25,7 @@ class OptionSet {
   const char* unread(size_t place) const;
   // Why the option has no effect; nullptr where it may have one.
   const char* idle(size_t place) const;
-  // Gives the default to every option that makes no difference in such a scene, beside the others.
+  // Resets every option without effect in such a scene, given the others, to its default.
   void reduce(const sideray_scene_facts& facts);
   bool operator==(const OptionSet& other) const { return texts_ == other.texts_; }
 

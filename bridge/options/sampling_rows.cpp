@@ -207,7 +207,7 @@ OptionRow quality_row() {
 
 }  // namespace
 
-// `quality` stands before all that it has values for.
+// `quality` comes before the options that it sets.
 std::vector<OptionRow> leading_rows() {
   return {size_row(), quality_row()};
 }

@@ -141,7 +141,7 @@ void add_layers(const OptionValues& v, const OptionScene& scene, std::vector<Sho
          {{"layers", "8"}}});
 }
 
-// Returns whether rays are followed from surface to surface, because something bends them.
+// Returns whether rays are followed from surface to surface, because something refracts them.
 bool follows_refraction(const OptionValues& v, const OptionScene& scene) {
   return v.is_raytraced() && v.translucency.refraction && scene.facts.bending_objects > 0;
 }
@@ -183,7 +183,7 @@ OptionRow layers_row() {
   return row;
 }
 
-// Returns whether layers reuse the rays of others, as far as options say.
+// Returns whether options let layers reuse the rays of donors.
 bool reuses_rays(const OptionValues& v) {
   const sideray_translucency_options& o = v.translucency;
   return o.ray_reuse != 0.0f && !(is_auto_reuse(o) && why_no_ray_reuse(use_of(v)));

@@ -14,7 +14,7 @@ using Tiles = std::vector<uint8_t>;
 
 // The filters of masks read, by way of other pixels, up to two tiles away; those of layers one.
 constexpr uint32_t masks_read = 2, layers_read = 1;
-constexpr double edge = 2.0;  // pixels, for positions within the pixel and for rounding
+constexpr double edge = 2.0;  // margin in pixels, for positions within the pixel and for rounding
 
 // Sets the tiles in which a box may be seen.
 void add_box(const ChangedView& v, const model::Bounds& box, Tiles& tiles) {

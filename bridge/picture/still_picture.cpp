@@ -8,10 +8,10 @@
 namespace sideray::bridge {
 namespace {
 
-// An average over time counts for so many positions at most: it is blurred where things moved.
+// The temporal average counts as at most this many positions: it is blurred where things moved.
 constexpr uint32_t most_averaged = 8;
-// A tile that is drawn over again before it is whole is lit anew once in so many positions. It shows an average over time, and no
-// sum of it was of use.
+// A tile that changes again before it is complete is lit anew once in this many positions. It shows the temporal
+// average, and its sum would never be used.
 constexpr uint32_t resting_positions = 16;
 
 }  // namespace

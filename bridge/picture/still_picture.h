@@ -48,7 +48,8 @@ class StillPicture {
   // Takes what was drawn from position() and returns what is shown. `average`: with tiles that begin anew, the average over time
   // that these show.
   const std::vector<glm::vec4>& add(const std::vector<glm::vec4>& drawn, const std::vector<glm::vec4>& average);
-  // What was drawn from position() lacks answers for want of time: it is drawn once more. Returns what is shown.
+  // Call if the picture from position() lacks answers because of the budget: it is drawn once more. Returns what is
+  // shown.
   const std::vector<glm::vec4>& wait() {
     waits_ = true;
     return shown_;

@@ -225,8 +225,7 @@ FramePlan plan_parts(const model::Snapshot& snapshot, const RenderOptions& o, Dr
   plan_shown_layers(snapshot, o, plan);
   plan_occlusion(snapshot, o, plan);
   plan_sequence(o, plan);
-  // A frame without rays keeps plants as they are drawn: poses for rays would cost an update for nothing.
-  // Where rays find what is seen, each plant is hit as it sways.
+  // A frame without rays needs no poses, which would cost an update. Without OpenGL each plant is hit as it sways.
   plan.foliage = plan.uses_rays() && !plan.draws_by_rays() ? plan_foliage(o, method) : as_drawn();
   return plan;
 }

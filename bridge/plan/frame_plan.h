@@ -29,7 +29,7 @@ struct FramePlan {
   gl::MaskKind mask_kind;
   bool second_wave;
   bool checks;           // layers are compared with all surfaces along the rays
-  bool caustics;         // of lamps on the paths of a reference
+  bool caustics;         // caustics of lamps on the paths of a reference
   bool casts_shadows;    // lights are hidden from what they do not reach
   bool glass_shadows;    // and what is translucent tints them: where none of it is drawn, none throws a shadow
   uint32_t width, height, samples, seed;

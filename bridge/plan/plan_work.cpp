@@ -130,7 +130,7 @@ void add_results(const FramePlan& plan, Textures& textures) {
     add("composite.transmittance", "RGBA16F", 1, half4.bytes);
   }
   add("shadow_masks", "R8", plan.shadow_masks() + (plan.masks.unhidden_sky ? 1u : 0u), 1);
-  // A light has them once its rays have passed glass.
+  // A light has them after its rays have passed glass.
   add("shadow_tints", "R8", plan.glass_shadows ? 3 * plan.shadow_masks() : 0, 1);
   add("ambient_mask", "R8", plan.masks.ao_rays > 0 ? 1 : 0, 1);
   add("reflections", "RGBA16F", plan.reflects ? 1 : 0, half4.bytes);
@@ -140,7 +140,7 @@ void add_results(const FramePlan& plan, Textures& textures) {
 uint64_t traversals_a_pixel(const FramePlan& plan) {
   const sideray_layer_inputs& layers = plan.layers;
   if (layers.refraction || (layers.mode == SIDERAY_COMPOSITE && layers.max_layers == 0)) return SIDERAY_UNBOUNDED;
-  // One finds them all, up to half of what it may hold; else no traversal finds less than one, but the last.
+  // One traversal finds them all, up to half of its capacity; beyond that each but the last finds one at least.
   return layers.step == SIDERAY_STEP_MULTIHIT && layers.max_layers <= 8 ? 1 : layers.max_layers + uint64_t{1};
 }
 

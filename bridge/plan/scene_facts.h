@@ -8,7 +8,7 @@
 
 namespace sideray::bridge {
 
-// Where surfaces are so many, they are not counted any further.
+// Counting stops at this many surfaces.
 inline constexpr uint64_t most_counted_surfaces = 64;
 
 bool is_traced(const model::Snapshot& snapshot, const model::Instance& instance, gl::TracedSet set);

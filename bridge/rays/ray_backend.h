@@ -61,7 +61,7 @@ class RayBackend final : public Backend {
   sideray_tracer* tracer_ = nullptr;
   std::shared_ptr<const model::Snapshot> snapshot_;
   uint32_t width_ = 0, height_ = 0;
-  // Holds the jobs with what they keep of a scene from frame to frame.
+  // Holds the jobs with their history of a scene.
   struct Jobs {
     MaskJob masks;
     ReflectionJob reflections;

@@ -5,7 +5,7 @@
 namespace sideray::bridge {
 namespace {
 
-// Of the time for rays, that a job has whatever the others take.
+// Least share of the time for rays that a job gets.
 constexpr double job_least_share = 0.125;
 
 double ms_between(FrameBudget::Time from, FrameBudget::Time to) {
@@ -88,7 +88,7 @@ void FrameBudget::finish(uint32_t view_id, size_t job, const Turn& turn, const r
   }
   follow(cost.after, std::max(took - allowed, 0.0));
   if (turn.starved) return;
-  // A share that is small says little about the whole.
+  // A small share does not extrapolate well.
   const double whole = std::max(allowed, 0.1) / std::max(traced, 0.01);
   cost.rays += 0.25 * (whole - cost.rays);
 }

@@ -1,6 +1,6 @@
 // Divides the time that a host gives its frames among their jobs, so that a frame ends in time instead of being cut: it
-// learns what each job of a view takes besides its rays, keeps that time free, and shares the rest by how long the rays of
-// each take in all. One object a service; any thread.
+// measures what each job of a view takes besides its rays, reserves that time, and shares the rest by how long the rays
+// of each take in all. One object a service; any thread.
 #pragma once
 
 #include <sideray/service.h>

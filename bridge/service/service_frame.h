@@ -37,7 +37,7 @@ struct JobRun {
   sideray_status status = SIDERAY_OK;  // ended: OK = uploaded
   rt::SequenceStep sequence = rt::SequenceStep::first;
   std::array<TextureReadback, most_textures_read> textures;
-  rt::Counters counters;  // the worker's in state tracing, like the next
+  rt::Counters counters;  // owned by the worker in state tracing, like the next
   std::exception_ptr failure;
   bool trace_finished = false;  // guarded by the queue's mutex
 };

@@ -13,7 +13,7 @@ namespace sideray::bridge {
 namespace {
 
 constexpr uint64_t poll_ns = 0;
-constexpr float half_pixel = 0.5f;  // a sample lies anywhere in its pixel
+constexpr float half_pixel = 0.5f;  // a sample may lie anywhere in its pixel
 
 sideray_status status_of(const std::exception_ptr& exception) {
   try {

@@ -16,7 +16,7 @@ class TraceQueue {
  public:
   // `trace` is called on the worker thread with a frame and the index of its job, `traced` after each.
   TraceQueue(std::function<void(ServiceFrame&, size_t)> trace, std::function<void()> traced);
-  // Joins the worker, which first finishes what was pushed: cancel the frames before.
+  // Joins the worker, which first finishes what was pushed: cancel earlier frames.
   ~TraceQueue();
   TraceQueue(const TraceQueue&) = delete;
   TraceQueue& operator=(const TraceQueue&) = delete;

@@ -47,7 +47,7 @@ void copy_in_parallel(std::span<const TexturePiece> pieces, std::byte* to, rt::E
   });
 }
 
-// Does the same without memory where there is none for lists and tasks, because an upload that has begun must not fail.
+// The same without allocations, if there is no memory for lists and tasks: an upload that has begun must not fail.
 void copy_all(std::span<const TexturePiece> pieces, std::byte* to, rt::Executor& copiers) try {
   copy_in_parallel(pieces, to, copiers);
 } catch (const std::bad_alloc&) {
@@ -70,8 +70,8 @@ void set_texels(const gl::Functions& gl, const TexturePiece& p, uint32_t row_tex
 
 }  // namespace
 
-// Returns a buffer that the driver does not read, or null where there is no memory for one. The second is made where
-// texels follow each other faster than the driver takes them.
+// Returns a buffer that the driver does not read, or null where there is no memory for one. A second one is made if
+// uploads follow each other faster than the driver reads them.
 TextureUpload::Staging* TextureUpload::require_staging(const gl::Functions& gl, uint64_t bytes) {
   const auto is_free = [](const Staging& s) { return !s.read || s.read.wait_or_give_up(0); };
   auto chosen = std::find_if(stagings_.begin(), stagings_.end(), is_free);

@@ -7,8 +7,8 @@
 
 namespace sideray::rt {
 
-// Every counter once. Those that sideray_frame_stats has are explained there, and reach it by their names: a new one is
-// a line here and a field there. Times and counts add up; of what is held at a time, the most counts.
+// Every counter once. sideray_frame_stats explains those that it has, which are copied by name: a new one is a line
+// here and a field there. Times and counts add up; of memory held the maximum counts.
 #define SIDERAY_COUNTERS(TIME, COUNT, HELD)                                       \
   TIME(readback_ms)                                                               \
   TIME(trace_ms)                                                                  \

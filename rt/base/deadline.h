@@ -1,5 +1,5 @@
-// Decides when a frame gives up the rays that have not begun, and orders its work so that what matters least is given
-// up. Any thread may call it.
+// Decides when no more rays of a frame begin, and orders its work so that what matters least is left out. Any thread
+// may call it.
 #pragma once
 
 #include <algorithm>
@@ -34,7 +34,7 @@ using PiecesLeft = std::atomic<int64_t>;
 struct WorkTime {
   Deadline deadline = Deadline::max();
   Deadline::duration least{0};
-  size_t least_pieces = 0;  // so many begin in any case
+  size_t least_pieces = 0;  // this many begin in any case
   bool ends_in_time = false;  // a piece that is not likely to end before the deadline does not begin
   PiecesLeft* pieces = nullptr;  // null: the clock decides
 };

@@ -49,7 +49,7 @@ struct Run {
   SIDERAY_LANE integer operator()(const int32_t* values) const { return load_any(values + first); }
 };
 
-// Reads them where they do so from one of the lanes on anew.
+// The same for lanes that begin a new run at one of them.
 struct TwoRuns {
   int32_t first, second;
   boolean in_first;
@@ -68,7 +68,7 @@ struct Scattered {
   SIDERAY_LANE integer operator()(const int32_t* values) const { return gather(values, at); }
 };
 
-// Returns where the lowest lane of `bits` would have lane 0.
+// Returns the address of lane 0, as if the lowest lane of `bits` were read from the start.
 SIDERAY_LANE int32_t start_of(integer at, uint32_t bits) {
   const int lane = __builtin_ctz(bits);
   return at.v[lane] - lane;

@@ -5,7 +5,7 @@ namespace sideray::rt {
 
 // Says what a frame is in its sequence.
 enum class SequenceStep {
-  first,  // frames before it do not count
+  first,  // earlier frames it do not count
   next,   // it follows the last frame of its history
   again   // it redraws the last frame, or draws another sample position of it
 };

@@ -1,4 +1,4 @@
-// Stores a frame's answers in the layer cache, which forgets the tiles of the frame before. One thread calls
+// Stores a frame's layers in the layer cache, whose tiles of the previous frame are cleared. One thread calls
 // begin_cache; the sinks of different chunks write different texels and may run at the same time.
 #pragma once
 

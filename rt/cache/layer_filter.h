@@ -46,7 +46,7 @@ class LayerFilter {
              const RoughReflection& rough);
   };
 
-  // Forgets the frame before.
+  // Resets the filter for a frame.
   void begin(size_t chunks);
   Chunk& chunk(size_t index) { return chunks_[index]; }
   // Writes the filtered radiance of all that was collected.

@@ -42,7 +42,8 @@ glm::dmat4 full(const glm::mat4x3& m) {
   return {glm::dvec4(m[0], 0.0), glm::dvec4(m[1], 0.0), glm::dvec4(m[2], 0.0), glm::dvec4(m[3], 1.0)};
 }
 
-// Returns whether layers that one request asks for serve the other. Random numbers are estimates of the same light.
+// Returns whether the layers of one request can be history of the other. Random numbers may differ: they estimate the
+// same light.
 bool serve_alike(const CacheRequest& a, const CacheRequest& b) {
   return a.width == b.width && a.height == b.height && a.max_layers == b.max_layers &&
          a.all_translucent == b.all_translucent && a.shadows == b.shadows && a.step == b.step &&
@@ -287,8 +288,8 @@ void OlderLayers::sort(Row& row, uint32_t rows) {
   for (const Carried& layer : row.layers) row.sorted[next[layer.row]++] = layer;
 }
 
-// Puts a layer among those of its pixel, nearest first. Of two of one surface that lie less than a pixel apart there, the
-// one that was traced nearer to the pixel's middle counts.
+// Inserts a layer into those of its pixel, nearest first. Of two layers of one surface less than a pixel apart, the one
+// that was traced nearer to the pixel's middle counts.
 void OlderLayers::place(const Passage& passage, const Carried& layer) {
   LayerCache& cache = passage.cache;
   const size_t plane = passage.plane(), pixel = layer.pixel;

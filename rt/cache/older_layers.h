@@ -1,7 +1,7 @@
-// Answers of frames before for pixels that a deadline gives up. Between the frames of a sequence the layers of a cache stay
-// where view and surfaces stand still; what has moved is moved along, each layer by its own instance, to where the new view
-// sees it. What was traced least recently comes first in the next frame. One object a sequence and cache; one thread calls it and
-// it works on the executor's, but what is said of a chunk may be said of several chunks at a time.
+// The history of the layer cache, for pixels that have no turn under a deadline. Layers stay where view and surfaces
+// stand still; others are reprojected, each with its own instance. The least recently traced come first in the next
+// frame. One object a sequence and cache; one thread calls it and it works on the executor's, but what is said of a
+// chunk may be said of several chunks at a time.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ bool takes_older(const CacheRequest& request);
 
 class OlderLayers {
  public:
-  // So many frames in which something has changed an answer outlives; frames in which nothing has do not count.
+  // History expires after this many frames in which something has changed; frames without change do not count.
   static constexpr uint32_t oldest = 120;
 
   // Clears the cache for the request's frame, as begin_cache() does, except for history that can be reused. A frame
@@ -43,13 +43,13 @@ class OlderLayers {
 
   // Returns in which frame pixels had their turn, the one that waits longest; 0 where most of them show nothing.
   uint32_t last_turn(std::span<const PixelRequest> pixels) const;
-  // Empties pixels of the cache which are about to be traced.
+  // Clears pixels of the cache that are about to be traced.
   void clear(std::span<const PixelRequest> pixels, LayerCache& cache);
-  // Learns of the surface of a layer that is traced. `texel`: of the cache; `normal`: unit, on the front's side.
+  // Records the surface of a layer that is traced. `texel`: of the cache; `normal`: unit, on the front's side.
   void record(size_t texel, glm::vec3 normal);
-  // Learns that pixels were traced to the end.
+  // Call when pixels were traced to the end.
   void traced(std::span<const PixelRequest> pixels, LayerCache& cache);
-  // Counts pixels that were given up: pixels_older, answer_age; returns how many show nothing.
+  // Counts pixels that were skipped: pixels_older, answer_age; returns how many show nothing.
   uint64_t leave(std::span<const PixelRequest> pixels, Counters& counters) const;
 
  private:
@@ -59,13 +59,13 @@ class OlderLayers {
     int16_t normal[2] = {0, 0};
     int16_t off[2] = {0, 0};
   };
-  // How an instance has moved since the frame before.
+  // How an instance has moved since the previous frame.
   struct Motion {
     bool lost;  // its vertices have changed, so its surfaces cannot be reprojected
     glm::dmat4 now_from_then;
     glm::dmat3 normal_now_from_then;
   };
-  // A layer on its way to another pixel.
+  // A layer that is reprojected to another pixel.
   struct Carried {
     uint32_t pixel, row, surface_id, traced_in;
     float distance;

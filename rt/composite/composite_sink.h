@@ -1,5 +1,5 @@
-// Composites a frame's surfaces into the image, which forgets the tiles of the frame before. One thread calls
-// begin_composite; the sinks of different chunks write different texels and may run at the same time.
+// Composites a frame's surfaces into the image, whose previous tiles are cleared. One thread calls begin_composite; the
+// sinks of different chunks write different texels and may run at the same time.
 #pragma once
 
 #include <cstdint>

@@ -78,7 +78,7 @@ void FilteredSink::add(uint32_t pixel, uint32_t layer, const Hit&, const glm::ve
   if (layer < Pixel::most_told) p.weights[layer] = weight;
 }
 
-// Takes the surface's light, which has just been added, out again: it waits for the filter.
+// Subtracts the surface's light, which has just been added: it waits for the filter.
 void FilteredSink::add_rough(uint32_t pixel, uint32_t layer, const SurfacePoint& point, glm::vec3 radiance,
                              const RoughReflection& rough) {
   if (!surfaces_.filters() || layer >= Pixel::most_told) return;

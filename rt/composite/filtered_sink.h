@@ -25,7 +25,7 @@ class FilteredSurfaces {
     std::array<glm::vec3, most> weights;
   };
 
-  // Forgets the frame before. `filters` false: nothing is filtered.
+  // Resets the sink for a frame. `filters` false: nothing is filtered.
   void begin(uint32_t width, uint32_t height, size_t chunks, bool filters);
   bool filters() const { return !waiting_.empty(); }
   // Takes what one direction shows of a pixel's surface of that number.

@@ -15,7 +15,7 @@ struct AverageRequest {
   // Distance along the axis of the view of a clip-space position, times `share` of it: of this frame's view and of that
   // before, both from this frame's clip space.
   glm::dvec4 distance_now{0.0}, distance_before{0.0}, share{0.0};
-  bool follows = false;  // there is a frame before
+  bool follows = false;  // there is an earlier frame
 };
 
 class TemporalAverage {

@@ -232,8 +232,8 @@ void take_poses(RTCDevice device, const SceneUpdate& update, const MeshScenes& b
   for (size_t i = 0; i < scenes.size(); ++i) meshes[update.posed[i].mesh.get()] = scenes[i];
 }
 
-// Returns the scene of a mesh that has got other vertices. The first time the scene is built so that it can be refit;
-// after that it is refit, or rebuilt where its quality has become too low.
+// Returns the scene of a mesh with changed vertices. The first time the scene is built so that it can be refit; after
+// that it is refit, or rebuilt where its quality has become too low.
 std::shared_ptr<MeshScene> with_vertices(RTCDevice device, const std::shared_ptr<MeshScene>& before,
                                          const std::shared_ptr<const model::Mesh>& mesh) {
   if (!before->neutral) {

@@ -81,8 +81,8 @@ struct OcclusionQuery : embree::Query {
   Ray ray(uint32_t i) const { return columns ? (*columns)[first + i] : rays[i]; }
 };
 
-// Takes hits that count whatever Embree's roundings are: those inside a triangle and between the ray's ends. The others are
-// recomputed, and where that leaves it open, because an edge is near, the ray goes on.
+// Accepts hits that Embree's rounding cannot change: those well inside a triangle and between the ray's ends. The
+// others are recomputed; if an edge is too near to decide, the ray goes on.
 template <unsigned N>
 void occlusion_filter(const RTCFilterFunctionNArguments* arguments) {
   auto& query = embree::state_of<OcclusionQuery>(*arguments);

@@ -44,7 +44,7 @@ bool is_complete(const LayerRules& rules, const Lane& lane) {
   if (lane.lossy) return false;
   if (lane.limit == std::numeric_limits<float>::infinity()) return true;
   if (lane.hit_count < rules.layers) return false;
-  // Everything farther than the limit was rejected; it may be nearer than Embree said by half the margin.
+  // Hits beyond the limit were rejected; they may be nearer than Embree said by half the margin.
   const float last = static_cast<float>(lane.hits[rules.layers - 1].distance) / lane.distance_of_unit + lane.back;
   return last + 0.5f * lane.margin_at(last) <= lane.limit;
 }

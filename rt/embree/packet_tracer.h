@@ -245,7 +245,7 @@ class PacketTracer {
   // Returns the distance up to which a lane's hits are complete, and drops its hits behind that, except the first.
   double cut_to_known(uint32_t i, float limit, uint32_t& count) const {
     if (count == 0) return std::numeric_limits<double>::infinity();
-    // What was rejected, farther than the limit, may be nearer than Embree said by half the margin.
+    // A hit that was rejected, beyond the limit, may be nearer than Embree said by half the margin.
     const float sure = limit - 0.5f * (query_.nearest.margin[i] + relative_margin * limit) - query_.nearest.back[i];
     const Hit* hits = query_.hits + size_t{i} * query_.rules.kept;
     double known = static_cast<double>(sure) * static_cast<double>(query_.nearest.distance_of_unit[i]);

@@ -1,6 +1,6 @@
-// Finds where the opaque surface of each pixel was in the frame before: the camera moves, and what stands still is followed.
-// Masks and reflections of frames before stay with their surfaces by it. One object a sequence. One thread begins a frame;
-// any may look back.
+// Finds where the opaque surface of each pixel was in the previous frame: the camera moves, and surfaces stand still.
+// The history of masks and reflections is reprojected by it. One object a sequence. One thread begins a frame; any may
+// look back.
 #pragma once
 
 #include <array>
@@ -20,8 +20,8 @@ class PixelTrail {
  public:
   static constexpr uint32_t nowhere = UINT32_MAX;
 
-  // Learns of a frame of the sequence. `origin`: of the local space of its view. `follows`: there is a frame before, of the
-  // same size. Throws Failure where the view is none.
+  // Begins a frame of the sequence. `origin`: of the local space of its view. `follows`: there is an earlier frame, of
+  // the same size. Throws Failure where the view is none.
   void begin(const TraceView& view, const DepthImage& depth, glm::uvec2 size, glm::dvec3 origin, bool follows,
              Executor& executor);
   // Returns whether the view is the one before, to a small part of a pixel.
@@ -30,7 +30,7 @@ class PixelTrail {
   // Returns the frame's depths along the camera's axis, as fill_depths() does.
   const std::vector<float>& depths() const { return depth_; }
 
-  // Pixels of a row that lie in one tile: where each was in the frame before, as y * width + x, or nowhere.
+  // Pixels of a row that lie in one tile: where each was in the previous frame, as y * width + x, or nowhere.
   using Row = std::array<uint32_t, frame_tile_size>;
   // Finds them for `count` pixels from (x, y) on. In a view that stands still a pixel was where it is, or it was another
   // surface's.

@@ -1,6 +1,6 @@
-// Knows whether a frame of a sequence is the last one once more: then its answers are those that are there, to the bit, and
-// nothing has to be traced, filtered or uploaded. Inputs are compared, not announced (docs/adr/0046-still-views.md). One object
-// a view and job; one thread calls it.
+// Decides whether a frame of a sequence equals the last one: then its answers have the same bits, and nothing has to be
+// traced, filtered or uploaded. Inputs are compared, not announced (docs/adr/0046-still-views.md). One object a view
+// and job; one thread calls it.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@
 
 namespace sideray::rt {
 
-// All that a job's answers depend on besides the scene and the pictures that they are traced from.
+// All on which a job's answers depend, besides the scene and the pictures that it reads.
 struct FrameKey {
   std::vector<std::byte> inputs;  // bytes that all count, of what is asked for
   TraceView view{};
@@ -40,12 +40,12 @@ class StillFrames {
   // traced. `committed`: without poses.
   bool begin(FrameKey key, SequenceStep step, std::shared_ptr<const model::Snapshot> committed,
              const std::function<Hashes()>& hash_pictures);
-  // Learns what the frame has counted. `whole`: every answer is there.
+  // Takes the counters of the frame. `whole`: every answer is there.
   void end(const Counters& counters, bool whole);
   // The answers are no longer those of the last frame.
   void forget() { is_whole_ = false; }
 
-  // Returns what a frame counts that is the last one once more: no ray.
+  // Returns the counters of a frame that equals the last one: no ray.
   Counters counters() const;
 
  private:

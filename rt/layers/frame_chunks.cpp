@@ -8,8 +8,8 @@
 namespace sideray::rt {
 namespace {
 
-// So many that shading has full batches, or fewer where a frame has few: then the last of them would keep most threads
-// waiting. A packet is 16 pixels. Whatever the thread count: the same packets, the same bits.
+// Pixels of a chunk: enough for full batches of shading, or fewer in a small frame, where most threads would wait for
+// the last chunks. A packet is 16 pixels. Whatever the thread count: the same packets, the same bits.
 size_t pixels_in_chunk(size_t pixels) {
   constexpr size_t least = 256, most = 1024, wanted_chunks = 64, packet = 16;
   return std::clamp(pixels / wanted_chunks / packet * packet, least, most);

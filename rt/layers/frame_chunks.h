@@ -32,7 +32,7 @@ class FrameChunks {
 
   // Traces a chunk on a thread of the executor, and says whether it came to the end of it.
   using Trace = std::function<TraceEnd(size_t chunk, std::span<const PixelRequest> pixels, uint32_t thread)>;
-  // Returns how many pixels of a chunk that was given up have no answer.
+  // Returns how many pixels of a chunk that was skipped have no answer.
   using Leave = std::function<uint64_t(std::span<const PixelRequest> pixels, uint32_t thread)>;
   // Calls `trace` for the chunks, under a deadline in their order, until the request is cancelled or late, and then `leave`,
   // which may be empty: then none of its pixels has an answer. Returns whether the frame was cancelled, otherwise complete;

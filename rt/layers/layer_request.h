@@ -41,7 +41,7 @@ struct LayerRequest : sideray_layer_inputs {
   bool shadows = true;
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between chunks
-  WorkTime work;                                 // chunks that it does not let begin are given up
+  WorkTime work;                                 // chunks that it does not let begin are skipped
   ShadingQueue* shading_queue = nullptr;         // SIDERAY_SHADE_IN_CALLS: to the host's thread; null: shaded at once
   // Of a composite: surfaces that bend light are resolved and what rough ones reflect is filtered, as layers of a cache are.
   bool resolves = false;

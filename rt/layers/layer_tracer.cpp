@@ -54,7 +54,7 @@ void LayerTracer::start(std::span<const PixelRequest> pixels) {
   const LayerRequest& request = *frame_->request;
   requests_ = pixels;
   kernels_ = &shade_kernels(frame_->intersector->isa().c_str());
-  events_.clear();  // those of a trace that was given up
+  events_.clear();  // those of a trace that was skipped
   reuse_.begin(shader_->sharing() ? request.ray_reuse : 0.0f);
   states_.resize(pixels.size());
   active_.resize(pixels.size());

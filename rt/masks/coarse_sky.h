@@ -1,6 +1,6 @@
-// What every eighth pixel each way sees of the sky, for the pixels between them until rays of their own are traced: under a budget,
-// after a cut, most of a picture would otherwise be lit as if nothing hid the sky. Different tiles may be written and read at the
-// same time.
+// The sky's visibility at every eighth pixel each way, for the pixels between until their own rays are traced. Without
+// it, after a cut under a budget, most of a picture would be lit as if nothing hid the sky. Different tiles may be
+// written and read at the same time.
 #pragma once
 
 #include <array>
@@ -19,12 +19,12 @@ struct SkyShare {
 
 class CoarseSky {
  public:
-  static constexpr uint32_t step = 8;  // the pixel in the middle of as many, squared, stands for them
+  static constexpr uint32_t step = 8;  // pixels a side that the middle one represents
   static constexpr uint32_t across = frame_tile_size / step;
 
   // Resets all tiles.
   void begin(uint32_t width, uint32_t height);
-  // Learns that a tile's samples follow.
+  // Call when a tile's samples follow.
   void start(size_t tile) { tiles_[tile] = {.known = true, .samples = {}}; }
   // The sample of the pixel in this column and row of the tile.
   void add(size_t tile, uint32_t column, uint32_t row, SkyShare share) {

@@ -151,8 +151,8 @@ DepthPoints::Single::Side DepthPoints::Single::look(size_t index, ptrdiff_t stri
 
 double DepthPoints::Single::slope(const Side& best, const Side& other) {
   const double steepest = slope_margin * std::abs(best.change);
-  // Before empty space a surface may curve away; at a fold the steeper side counts; where one surface hides another,
-  // neither applies.
+  // In front of empty space a surface may curve away; at a fold the steeper side counts; where one surface hides
+  // another, neither applies.
   if (other.ends) return 2.0 * steepest;
   return other.straight ? std::max(steepest, slope_margin * std::abs(other.change)) : steepest;
 }

@@ -25,7 +25,7 @@ struct DepthPoint {
   float doubt;       // sine of the angle by which steps of the depth may have turned the normal
   float skip;        // hits nearer than this may be the surface itself: the side on which a ray starts is unknown
   // Returns where a ray starts. In doubt it is in front: there a surface that faces the direction does not shadow
-  // itself, and one that does not is rightly dark.
+  // itself, and one that faces away is dark as it should be.
   glm::vec3 origin(glm::vec3 direction) const { return glm::dot(direction, normal) >= -doubt ? front : back; }
 };
 

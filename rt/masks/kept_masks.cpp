@@ -172,7 +172,7 @@ uint32_t KeptMasks::find_cycle(const Frame& frame, size_t layers) const {
   return found == frames_.rend() ? 0 : static_cast<uint32_t>(found - frames_.rbegin()) + 1;
 }
 
-// A frame that follows none has the bits of another one with the same inputs, where that one followed none either.
+// A frame that does not continue has the bits of another one with the same inputs, where that one followed none either.
 void KeptMasks::begin_first(const Frame& frame, const MaskRequest& r, std::vector<Layer>& layers) {
   const bool same = is_last(frame);
   for (size_t i = 0; i < layers.size(); ++i) {

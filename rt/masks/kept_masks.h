@@ -28,10 +28,10 @@ class KeptMasks {
   // Returns for how many frames a mean over `history` frames goes on until what it held before weighs less than 1/512.
   static uint32_t frames_to_settle(uint32_t history);
 
-  // Learns of the next frame and decides which of its masks stay. Where a view has come back to a place in the pixel,
-  // it puts that place's masks into `masks`. Throws Failure where the view is none.
+  // Begins the next frame and decides which of its masks are reused. If a view has returned to a jittered position,
+  // that position's masks are put into `masks`. Throws Failure where the view is none.
   void begin(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks);
-  // Learns that the others are made: traced and filtered. `whole`: no ray was given up.
+  // Call when the others are traced and filtered. `whole`: no ray was skipped.
   void end(const OcclusionMasks& masks, bool whole);
   // Makes the next frame keep none.
   void forget() { complete_ = false; }
@@ -39,7 +39,7 @@ class KeptMasks {
   // What begin() decided of the masks of lights, by their layer, and of the sky's, behind them where there is one.
   bool keeps(uint32_t layer) const { return layers_[layer].kept; }
   bool keeps_all() const;
-  // Returns whether reused masks are of a frame before the last.
+  // Returns whether reused masks are of an earlier frame the last.
   bool brings_back() const { return cycle_ > 1; }
 
  private:

@@ -1,6 +1,6 @@
-// Denoises a frame's shadow and ambient occlusion masks: within the frame, and along a sequence. Holds what the frames
-// before knew: one object a sequence. Works on plain memory. One thread calls it; it works on the executor's. Same bits
-// for any number of threads.
+// Denoises a frame's shadow and ambient occlusion masks: within the frame, and along a sequence. Holds the history: one
+// object a sequence. Works on plain memory. One thread calls it; it works on the executor's. Same bits for any number
+// of threads.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct FilterFrame {
   uint32_t width = 0, height = 0;
   shading::SfView view{};
   std::vector<float> depth;         // along the view's axis; 0 = nothing
-  std::vector<float> depth_before;  // of the frame before, where this one follows it
+  std::vector<float> depth_before;  // of the previous frame, where this one follows it
   std::vector<glm::vec2> motion;    // pixels, where only the view moved; empty: it stood still
 };
 
@@ -38,8 +38,8 @@ bool is_random(sideray_inexact inexact, uint32_t inexact_bits);
 // Keeps depths and motion of a sequence's frames.
 class FilterFrames {
  public:
-  // Fills `frame` for the next view; returns false where this view, being orthographic, cannot be filtered. `follows`: there is a frame
-  // before.
+  // Fills `frame` for the next view; returns false where this view, being orthographic, cannot be filtered. `follows`:
+  // there is an earlier frame.
   bool next(Executor& executor, const MaskRequest& request, const model::Snapshot& snapshot, FilterFrame& frame);
   const FrameCamera& camera() const { return *camera_; }
   bool follows() const { return before_.has_value(); }

@@ -26,8 +26,8 @@ class OlderMasks;
 struct TintTile;
 struct WantedTiles;
 
-// Where a deadline gave tiles up: which of the filters' tiles are traced in this frame. The masks of the others are of frames
-// before, and filtered already.
+// Where a deadline skipped tiles: which of the filters' tiles are traced in this frame. The masks of the others are of
+// earlier frames, and filtered already.
 struct TracedTiles {
   std::span<const uint8_t> of_lights, of_sky;  // row by row
   bool are_most;                               // they are half of the tiles or more
@@ -90,7 +90,7 @@ struct OcclusionMasks {
   enum Seen : uint8_t { seen_dark = 1, seen_lit = 2 };
 
   uint32_t width = 0, height = 0, layers = 0;
-  bool whole = true;  // no tile was given up
+  bool whole = true;  // no tile was skipped
   std::vector<uint8_t> lit;
   // Along the shadow ray, from its origin, +inf = none: of occluded pixels in tiles of 16 pixels that are neither lit
   // nor dark, neighbours included. Empty unless asked for.
@@ -102,7 +102,8 @@ struct OcclusionMasks {
   // range 0..1 that may be off. Empty unless asked for (`moving`).
   std::vector<float> depth;
   float depth_step = 0;
-  // Of each pixel which of its masks are traced, or moved from a frame before (Answer); the others are lit and open. Empty: all are.
+  // Which masks of each pixel are traced, or reprojected from an earlier frame (Answer); the others are lit and open.
+  // Empty: all are.
   enum Answer : uint8_t { answer_of_lights = 1, answer_of_sky = 2 };
   std::vector<uint8_t> answers;
   // Of the filters' tiles, layer-major, row by row: which of Seen their pixels are, and whether any has a finite

@@ -50,7 +50,7 @@ class MaskTracer {
     Counters counters;
   };
 
-  // The caller keeps what the masks are made of, and the masks, which are as large as the request asks.
+  // All arguments must outlive the object. `masks` have the size that the request has.
   MaskTracer(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks);
 
   bool traces_lights() const;
@@ -64,8 +64,8 @@ class MaskTracer {
 
   void trace_shadows(size_t tile, Worker& w) const;
 
-  // Puts what the threads found of tints into the masks. `fresh`, of each tile: 1 where it is of this frame, or is lit
-  // because it was given up.
+  // Stores the threads' tints in the masks. `fresh`, of each tile: 1 if it is of this frame, or is lit because it was
+  // skipped.
   void store_tints(std::span<Worker> workers, std::span<const uint8_t> fresh, Executor& executor) const;
 
   // Finds the hit distances that trace_shadows() left out: of all-dark tiles beside lit ones.

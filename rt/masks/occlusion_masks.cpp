@@ -19,9 +19,9 @@
 namespace sideray::rt {
 namespace {
 
-// So many tiles around a pixel's own are filtered for its sake, and traced: a filter takes from those beside it how far it
-// reaches, and they from those beside them. In masks of lights one more calms tints, and borders are measured where the next is
-// lit. In filter_tile and tile_size.
+// Tiles around a wanted one that are filtered, and traced, for it: a filter takes its width from the tiles beside, and
+// these from those beside them. Masks of lights need one more for clamping tints, and one whose borders are measured.
+// In filter_tile and tile_size.
 constexpr uint32_t lights_filtered = 2, sky_filtered = 1, lights_traced = 2, sky_traced = 1;
 // Share of the tiles without history that are sampled in a frame whatever its budget: a sixteenth of a tile's work
 // each.
@@ -121,7 +121,7 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
     rays.add_to(tile);
   };
   const auto is_cancelled = [&] { return r.cancelled && r.cancelled->load(); };
-  // Traces a part of the masks, tile by tile; what is given up is opened, unless it was seen before.
+  // Traces a part of the masks, tile by tile; skipped tiles are lit, unless they have history.
   const auto run = [&](OlderMasks::Part part, const WorkTime& time, auto work, auto open) {
     const Stopwatch watch;
     const std::vector<uint32_t> turns = tracer.turns(part);

@@ -195,7 +195,7 @@ void OlderMasks::begin(const MaskRequest& r, TracedScene& scene, const Occlusion
   lights_ = lights_as_masked(r, snapshot.lights);
   environment_ = snapshot.environment;
   request_ = r;
-  // A place that tints got in the last frame is lit where none was found.
+  // A plane that a tint was given in the last frame is lit where none was found.
   for (const Part part : {of_lights, of_sky})
     parts_[part].shades[now_].resize(planes_of(r, part, masks) * tiles_of(r), all_lit);
   if (!goes_on) return;
@@ -316,7 +316,7 @@ void OlderMasks::look_back(Part part, size_t tile, Trail& found) const {
   found.last_tile = most / tile_side;
 }
 
-// Returns what a plane held in the frame before wherever the pixels of a tile were.
+// Returns a plane's values in the previous frame at the reprojected places of a tile's pixels.
 OlderMasks::Shade OlderMasks::shade_there(Part part, uint32_t plane, const Trail& found) const {
   if (found.none_known) return all_lit;
   const std::vector<Shade>& shades = parts_[part].shades[1 - now_];

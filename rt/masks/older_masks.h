@@ -24,12 +24,12 @@ class OlderMasks {
  public:
   // The masks of lights, and those of the sky, are traced one after the other.
   enum Part { of_lights, of_sky, part_count };
-  // So many commits of the scene a mask outlives; frames between which none lies do not count.
+  // History expires after this many commits of the scene; frames without a commit do not count.
   static constexpr uint8_t oldest = 120;
   static constexpr uint8_t no_answer = 255;  // in place of an age
 
-  // Learns of a request under a deadline. A frame that follows none, other lights, options or another size leave nothing.
-  // `masks`: those of the frame before.
+  // Begins a frame with a request under a deadline. A frame that does not continue, other lights, options or another
+  // size reset the history. `masks`: those of the previous frame.
   void begin(const MaskRequest& request, TracedScene& scene, const OcclusionMasks& masks);
   // Returns the depths along the camera's axis of the frame that has begun, as fill_depths() does.
   const std::vector<float>& depths() const { return trail_.depths(); }
@@ -41,25 +41,27 @@ class OlderMasks {
 
   // In which frame each tile had its turn, 0 = never.
   const std::vector<uint32_t>& turns(Part part) const { return parts_[part].turns; }
-  // Learns that a tile's masks are traced.
+  // Call when a tile's masks are traced.
   void traced(const MaskRequest& request, Part part, size_t tile);
   // Returns whether a part's masks have history.
   bool knows(Part part) const { return moves_[part]; }
-  // Returns whether most pixels of a tile had no mask of the sky in the frame before. Samples are to be written before the tile is left.
+  // Returns whether most pixels of a tile had no mask of the sky in the previous frame. Samples are to be written
+  // before the tile is left.
   bool lacks_sky(size_t tile) const { return lacks_sky_[tile] != 0; }
   CoarseSky& coarse_sky() { return coarse_sky_; }
   // Fills a tile's masks with their history, reprojected; pixels without history are lit and open, the sky has its
   // samples. Counts the tile's pixels.
   void leave(const MaskRequest& request, Part part, size_t tile, OcclusionMasks& masks, Counters& counters);
-  // Learns that of each tile of a part one of these was said.
+  // Call after one of these was called for every tile of a part.
   void end(Part part);
-  // Learns that the frame's masks are filtered.
+  // Call when the frame's masks are filtered.
   void end_frame(const MaskRequest& request, const OcclusionMasks& masks, Executor& executor);
   // Sets for each pixel which of the frame's masks have an answer (OcclusionMasks::Answer); empty if all have.
   void tell_answers(const MaskRequest& request, Executor& executor, OcclusionMasks& masks) const;
-  // Learns that every mask of the position is there, and filtered as a whole: it stays what it is until the next one begins.
+  // Call when every mask of the position is there, and filtered as a whole: it stays what it is until the next one
+  // begins.
   void complete();
-  // Learns that what new_tiles() said is filtered.
+  // Call when what new_tiles() said is filtered.
   void filtered();
   bool is_complete() const { return complete_; }
   // Says which of the filters' tiles were traced in this frame, or never filtered since, row by row.
@@ -72,7 +74,7 @@ class OlderMasks {
   enum Shade : uint8_t { all_dark = 0, mixed = 1, all_lit = 255 };
   struct Kept {
     std::vector<Shade> shades[2];  // of each plane's tiles, in this frame and the one before
-    std::vector<uint8_t> then;     // where the view has moved, the mixed tiles of the frame before, layer-major
+    std::vector<uint8_t> then;     // where the view has moved, the mixed tiles of the previous frame, layer-major
     std::vector<uint8_t> ages[2];  // of this frame's pixels and of those before, or no_answer
     std::vector<uint32_t> turns;
     std::vector<uint8_t> unfiltered;  // of each tile: its masks are as they were traced
@@ -97,7 +99,7 @@ class OlderMasks {
   std::array<bool, part_count> known_{};  // the masks of the last frame
   std::array<bool, part_count> moves_{};  // ... are moved into this one
   Kept parts_[part_count];
-  uint32_t now_ = 0;                        // which of a part's two are of this frame
+  uint32_t now_ = 0;                        // which of a part's two buffers is this frame's
   MaskRequest request_;                     // of the last frame; pointers in it are not followed
   std::vector<model::Light> lights_;
   std::shared_ptr<const model::Environment> environment_;

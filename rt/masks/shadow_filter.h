@@ -1,6 +1,6 @@
 // Denoises the shadow of one light from its noisy visibility, hit distances and the picture's depth alone
-// (shaders/light/shadow_filter.h). Keeps what the frames before knew: one object a light and sequence. One thread calls
-// it; it works on the executor's. Same bits for any thread count.
+// (shaders/light/shadow_filter.h). Stores the history: one object a light and sequence. One thread calls it; it works
+// on the executor's. Same bits for any thread count.
 #pragma once
 
 #include <cstdint>
@@ -45,7 +45,7 @@ class ShadowFilter {
   // Writes what spatial() or, `accumulated`, temporal() made of the mask, 255 = 1, where it differs.
   static void store(Executor& executor, std::span<ShadowFilter* const> filters, std::span<uint8_t* const> masks,
                     bool accumulated);
-  // Averages with the frames before, after spatial() of the same input. `again`: in place of the last call's frame.
+  // Averages with earlier frames, after spatial() of the same input. `again`: in place of the last call's frame.
   void temporal(Executor& executor, const ShadowFilterInput& input, std::span<float> result, bool again = false);
   void temporal(Executor& executor, const ShadowFilterInput& input, bool again = false);
   // Makes the next frame follow none.

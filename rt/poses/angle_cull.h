@@ -13,13 +13,13 @@ namespace sideray::rt {
 
 struct CullRules {
   bool keeps_translucent = false;  // set where rays alone show what is translucent
-  bool remembers = true;           // off: the instances culled before count for nothing
+  bool remembers = true;           // off: instances culled in the previous frame do not matter
   bool operator==(const CullRules&) const = default;
 };
 
 // Culls an instance where the sphere around its bounds (model::Instance::bounds: with all that wind does) appears under
 // less than the angle, 2 asin(radius / distance); the instance comes back at 1.1 times the angle. An eye inside the
-// sphere keeps it. The result depends on the frames before, so that nothing flickers at the limit.
+// sphere keeps it. The result depends on earlier frames, so that nothing flickers at the limit.
 class AngleCull {
  public:
   static constexpr double back = 1.1;

@@ -53,7 +53,7 @@ class Foliage {
   struct Pose {
     uint64_t id = 0;
     std::shared_ptr<const model::Mesh> neutral;
-    std::vector<std::shared_ptr<model::Mesh>> meshes;  // used in rotation: snapshots before may still be read
+    std::vector<std::shared_ptr<model::Mesh>> meshes;  // used in rotation: earlier snapshots may still be read
     size_t current = 0;
     model::Wind wind{};
     glm::vec3 phase{0.0f};

@@ -118,7 +118,7 @@ void EyePaths::end(View& view, const EyeSettings& settings) {
   }
 }
 
-// Adds what a surface sends to the eye by itself, and makes it a stop where it reflects.
+// Adds what a surface emits toward the eye, and makes it a start of paths if it reflects.
 void EyePaths::reflect(const View& view, const WayEvent& event, float cover) {
   const SurfacePoint& point = event.point;
   const glm::vec3 weight = view.through * cover;

@@ -76,7 +76,7 @@ class LightWays {
 
   // Sends the light on in another direction: on the near side of the surface where it is mirrored, else on the far one.
   void redirect(LightWay& way, const WayEvent& event, glm::vec3 direction) const;
-  // Returns the media on the far side of a surface that a ray arrives at in the media `before`.
+  // Returns the media behind a surface that a ray reaches in the media `before`.
   MediumStack behind(const SurfacePoint& point, const MediumStack& before) const;
 
   uint64_t traversals = 0;

@@ -10,7 +10,7 @@
 namespace sideray::rt {
 namespace {
 
-// So many paths travel together, those of a start always.
+// Number of paths that travel together; those of one start always do.
 constexpr uint32_t paths_at_once = 2048;
 // This share of the way to a light is not tested, so that rounding does not carry the ray past it.
 constexpr float short_of_light = 1e-5f;
@@ -29,9 +29,9 @@ constexpr float least_chance = 0.1f;
 constexpr float least_share = 1e-7f;
 // This share of the directions in which wide lobes reflect is sampled toward what stands around lamps.
 constexpr float most_guided = 0.3f;
-// So many lights are sampled where a path begins, and behind.
+// Number of lights sampled where a path begins, and at later surfaces.
 constexpr uint32_t first_draws = 1, later_draws = 1;
-// A light is taken to give this share of what it would from the best direction: lobes and lights are wide.
+// A light is assumed to contribute at least this share of its best direction: lobes and lights are wide.
 constexpr float least_lit = 0.05f;
 
 // These are the purposes of random numbers at a surface; draws of lights count from the last one on.

@@ -71,7 +71,7 @@ class PathTracer {
     glm::vec3 weight;      // what is made of radiance along the way
     float usual;           // the largest channel of its weight when it set out: roulette compares with that
     float density;         // that of the ray's direction, if what it hits is also sampled; else 0
-    LitPoint from;         // where the ray comes from, as it is sampled for
+    LitPoint from;         // origin of the ray, for the density of light samples
     glm::vec3 bent_share;  // what of a shining surface's light counts that the ray finds once it is bent
   };
   // Says how one of the lights is sampled at a point.

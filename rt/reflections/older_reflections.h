@@ -17,7 +17,7 @@ namespace sideray::rt {
 
 class OlderReflections {
  public:
-  // An answer outlives so many frames: what mirrors show moves otherwise than they do.
+  // History expires after this many frames: mirror images move otherwise than their surfaces.
   static constexpr uint8_t oldest = 60;
   static constexpr uint8_t no_answer = 255;  // in place of an age
 
@@ -29,11 +29,11 @@ class OlderReflections {
 
   // In which frame each tile had its turn, 0 = never.
   const std::vector<uint32_t>& turns() const { return turns_; }
-  // Learns that a tile is traced: it was emptied before.
+  // Call when a tile is traced: it was cleared before.
   void traced(size_t tile);
   // Fills a tile with its history, empty where there is none; counts its pixels that mirror anything.
   void leave(const ReflectionRequest& request, size_t tile, ReflectionImage& image, Counters& counters);
-  // Learns that one of these was said of each tile.
+  // Call after one of these was called for each tile.
   void end() { known_ = true; }
 
  private:
@@ -47,7 +47,7 @@ class OlderReflections {
   bool shadows_ = false, denoise_ = false;
   std::shared_ptr<const model::Snapshot> committed_;
   PixelTrail trail_;
-  std::vector<uint16_t> then_;  // the image of the frame before
+  std::vector<uint16_t> then_;  // the image of the previous frame
   std::vector<uint8_t> ages_, ages_then_;
   std::vector<uint32_t> turns_;
 };

@@ -55,7 +55,7 @@ struct ReflectionRequest {
   SequenceStep sequence = SequenceStep::first;   // of `still`
   StillFrames* still = nullptr;                  // a frame that is the last one keeps the image; null: it is traced
   const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
-  WorkTime work;                                 // tiles that it does not let begin are given up
+  WorkTime work;                                 // tiles that it does not let begin are skipped
   OlderReflections* older = nullptr;             // of the sequence: what they show then; null: they are not traced
   ShadingQueue* shading_queue = nullptr;         // as in LayerRequest
   const WantedTiles* wanted = nullptr;           // null: all tiles are

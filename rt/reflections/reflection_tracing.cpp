@@ -83,7 +83,7 @@ SurfacePoint surface_of(const ReflectionRequest& r, const ViewRays& view, const 
   s.to_eye = -ray.direction;
   s.surface.normal = shading::sr_toward_eye(glm::normalize(glm::vec3(normal)), s.to_eye);
   s.position = p.front + s.surface.normal * p.skip;
-  // Where few pixels show the surface, or an edge runs through them, the depth says nothing of how it stands: mirror
+  // Where few pixels show the surface, or an edge runs through them, the depth gives no reliable normal: mirror
   // directions of a grazing surface would be lifted into the sky.
   const bool is_edge = p.skip > 0.0f || glm::dot(p.normal, s.surface.normal) < least_likeness;
   s.geometric_normal = is_edge ? s.surface.normal : p.normal;

@@ -15,8 +15,8 @@
 
 namespace sideray::rt {
 
-// How much of the mirrored radiance counts beside the prefiltered environment: 1 up to two thirds of the largest
-// roughness that is traced, then falling to 0 there, so that no edge is seen where tracing ends.
+// Weight of the traced radiance against the prefiltered environment: 1 up to two thirds of the largest traced
+// roughness, then falling to 0, so that no edge shows where tracing ends.
 float reflection_share(float roughness, float max_roughness);
 
 class ReflectionTracing {

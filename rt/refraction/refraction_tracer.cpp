@@ -13,7 +13,7 @@ namespace sideray::rt {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
-// Below these shares of light nothing more is followed: as in the composite; and where the picture is to be exact.
+// Paths end below these shares of light: as in the composite, and for exact pictures.
 constexpr float least_transmittance = 1e-4f, least_exact_transmittance = 1e-6f;
 // Separates the random numbers of scattering from others of the same key.
 constexpr uint32_t scatter_purpose = 0x5ca77e2u, dispersion_purpose = 0xd15be25eu;
@@ -97,7 +97,7 @@ void RefractionTracer::begin(const RefractionContext& context, PointShader& shad
   path_surfaces_ = nullptr;
   kernels_ = &shade_kernels(context.frame->intersector->isa().c_str());
   reuse_.begin(0.0f);
-  // They may hold those of a trace that was given up.
+  // They may hold entries of a cancelled trace.
   points_.clear();
   media_.clear();
   shares_.clear();
@@ -326,7 +326,7 @@ void RefractionTracer::make_surfaces(size_t first) {
   rt::make_surfaces(context_->scene->surfaces, *kernels_, places_, made_.data() + first);
 }
 
-// Makes the surfaces that paths hit next, all in one go: most of them are crossed.
+// Makes all surfaces that paths hit next at once: most of them are crossed.
 void RefractionTracer::make_next_surfaces() {
   places_.clear();
   const size_t first = made_count_;
@@ -627,7 +627,7 @@ void RefractionTracer::shade_ends() {
   add_points();
 }
 
-// Adds the radiance of points_ to their pixels, and forgets them.
+// Adds the radiance of points_ to their pixels, and clears them.
 void RefractionTracer::add_points() {
   const size_t estimates = shader_->estimates();
   for (size_t i = 0; i < points_.size(); ++i) add(shares_[i], &radiance_[i * estimates]);

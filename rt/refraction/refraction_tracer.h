@@ -55,10 +55,10 @@ struct PathEnd {
   Hit opaque;      // the surface that this part ends at; no_instance: none, or `turns` is 0 and it is not looked for
   double length;   // of the parts before it
   uint32_t turns;  // surfaces that refracted or reflected it
-  bool complete;   // it was followed to its end: otherwise it hit as many surfaces as a path may
+  bool complete;   // it was followed to its end; false: it reached the limit of surfaces
 };
 
-// Holds a translucent surface that a path was followed across, or was reflected by.
+// Holds a translucent surface that a path crossed, or was reflected by.
 struct PathSurface {
   uint32_t path;  // index of its pixel
   Hit hit;

@@ -1,5 +1,5 @@
-// What rays that are followed through everything translucent share, those of pictures and those of paths: the surfaces ahead
-// of them, and how a ray starts anew behind a surface. Values; any thread may use them.
+// Shared by rays that are followed through translucent surfaces, those of pictures and those of paths: the surfaces
+// ahead of a ray, and how it restarts behind a surface. Values; any thread may use them.
 #pragma once
 
 #include <cstdint>
@@ -44,7 +44,7 @@ struct SurfacesAhead {
   void forget_behind(const Hit& hit, Ray& ray);
   // Returns the hit with index `i` and closes the gap that it leaves.
   Hit remove(uint32_t i);
-  // Lets those up to `limit` be the first of a new ray, which starts where they are, and forgets the others.
+  // Keeps those up to `limit`, as the first of a new ray that starts there, and drops the others.
   void start_anew(double limit);
 
  private:

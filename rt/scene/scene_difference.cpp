@@ -139,7 +139,7 @@ std::optional<std::vector<Mover>> find_movers(const model::Snapshot& a, const mo
       a.instances.size() != b.instances.size() || a.materials.size() != b.materials.size() ||
       a.lights.size() != b.lights.size())
     return std::nullopt;
-  // What is translucent decides which rays are traced at all.
+  // Translucency decides which rays are traced at all.
   for (size_t i = 0; i < a.materials.size(); ++i)
     if (a.materials[i].translucent != b.materials[i].translucent || a.materials[i].traceable != b.materials[i].traceable)
       return std::nullopt;

@@ -138,7 +138,7 @@ void HitShader::add_lights(SurfaceBatch& batch, glm::vec3* radiance, RayAnswers 
   }
 }
 
-// Does the same where lights are drawn.
+// The same where faint lights are drawn by chance.
 void HitShader::add_drawn_lights(SurfaceBatch& batch, glm::vec3* radiance, RayAnswers answers) {
   // Shares of `error_`, which is what donors may differ by: no ray that is left to chance brings as much.
   constexpr float least = 0.25f, most = 0.5f;

@@ -112,7 +112,7 @@ void MirrorRays::reflect(std::span<const SurfacePoint> points, glm::vec3* radian
     const SurfacePoint& p = points[i];
     const glm::vec3 n = p.surface.normal, mirrored = n * (2.0f * glm::dot(p.to_eye, n)) - p.to_eye;
     // A lobe looks up its surroundings where the rasterizer does. Bent normals send a part of most lobes below the
-    // surface; lifted as a whole, a lobe would see the horizon alone.
+    // surface; a lobe that is lifted as a whole would see the horizon alone.
     const bool is_lobe = !mirrors(p.surface.roughness);
     add(p, static_cast<uint32_t>(i), start_of_ray(p),
         {is_lobe ? mirrored : shading::sr_lifted(mirrored, p.geometric_normal), n, p.surface.roughness, 0});

@@ -19,7 +19,7 @@ struct Mirror {
   float roughness;              // likewise
   uint32_t layer;               // 0 base, 1 coat
   bool brushed = false;         // a base that is anisotropic
-  bool narrow = false;          // its middle direction stands for all of it: no ray is drawn at random
+  bool narrow = false;          // its middle direction represents all of it: no ray is random
   float weight = 1.0f;          // SurfacePoint::weight, of what it shows
 };
 

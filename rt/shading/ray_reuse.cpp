@@ -105,8 +105,8 @@ struct Donations {
   Mean mirrored;  // the fourth is RayAnswer::nearness
   Mean lit;
 
-  // `shown`: what a donor's mirror shows, and its nearness, negative without a ray; `arriving`: the share of its
-  // lights, and the greatest of what they offer.
+  // `shown`: the radiance that a donor's mirror shows, and its nearness, negative without a ray; `arriving`: the
+  // visible share of its lights, and the greatest unshadowed contribution.
   void add(Four shown, Four arriving, float weight) {
     if (shown[3] >= 0.0f) mirrored.add(shown, weight);
     const float theirs = arriving[3];

@@ -21,7 +21,7 @@ bool is_first(uint32_t pixel) {
   return (column_in_tile(pixel) + 2 * row_in_tile(pixel)) % 5 == 0;
 }
 
-// Every other one, the others in the next frame.
+// Every other pixel; the rest in the next frame.
 bool is_in_turn(uint32_t pixel, uint32_t seed) {
   return ((column_in_tile(pixel) + row_in_tile(pixel) + seed) & 1) == 0;
 }

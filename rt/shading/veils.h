@@ -23,7 +23,7 @@ class Veils {
   // Returns the mean over red, green and blue of what all surfaces on the ray let straight through, absorption by their
   // thickness included; of additive ones all.
   float through(size_t ray) const { return through_[ray]; }
-  // Returns how far away the nearest one is that keeps something; infinite where there is none.
+  // Returns the distance of the nearest one that absorbs or reflects; infinite if there is none.
   float distance(size_t ray) const { return distance_[ray]; }
 
  private:

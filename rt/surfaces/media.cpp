@@ -11,7 +11,7 @@
 namespace sideray::rt {
 namespace {
 
-// Returns whether some texture varies what a surface lets through: what it emits, and hides of the sky, does not.
+// Returns whether some texture varies the transmittance of a surface; emission and occlusion textures do not.
 bool varies(const std::vector<TextureRead>& reads) {
   return std::any_of(reads.begin(), reads.end(), [](const TextureRead& read) {
     const auto slot = model::material_slots[read.slot].slot;

@@ -59,7 +59,7 @@ struct RefractionScene {
   struct Medium {
     bool volume;  // transmits and is not thin-walled: refracts
     float ior;
-    float spread;  // what red light's index is below it, and blue light's above
+    float spread;  // difference of red light's index below it, and of blue light's above
     glm::vec3 absorption;  // per unit of length; 0 where it is no volume
   };
 
@@ -105,9 +105,9 @@ class KeptRefractionScene {
   std::unique_ptr<const RefractionScene> kept_;
 };
 
-// Says where the surface of a volume leads.
+// The media on both sides of a volume's surface.
 struct Crossing {
-  bool interface;  // otherwise nothing is there: the ray is in another medium before and behind it
+  bool interface;  // otherwise the surface has no effect: the medium is the same on both sides
   float ior_from, ior_to;
   uint32_t absorber;  // instance that the ray was inside of without having entered it, or no_instance
   bool disperses;     // light of all channels is bent apart

@@ -76,7 +76,7 @@ struct ShadeKernels {
   void (*unload)(const SurfaceBlock& block, uint32_t count, float* points, uint32_t stride);
   // `points`: `stride` floats from one SurfacePoint to the next.
   void (*load)(const float* points, uint32_t stride, uint32_t count, SurfaceBlock& block);
-  // Says what blend_of() says of each hit, bit for bit where it is a number; `modes` holds the bits of a
+  // Computes blend_of() of each hit, with the same bits unless it is NaN; `modes` holds the bits of a
   // sideray_blend_mode each.
   void (*blend)(const SurfaceBlock& block, const BlockRow& modes, BlendBlock& result);
   void (*light)(const SurfaceBlock& block, const LightTerms& light, LightBlock& result);

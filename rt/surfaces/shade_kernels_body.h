@@ -357,7 +357,7 @@ void finish_block(const SurfaceBlock& block, const AroundBlock& around, BlockRow
     const SrSurface s = load_surface(block, at);
     const SrSurroundings light = {load3(around.irradiance, at), load3(around.behind, at), load3(around.specular, at),
                                   load3(around.coat, at)};
-    // Where a normal is no number, the look-ups gave one all the same: so must this.
+    // Where a normal is NaN the look-ups return a number, and so must this.
     const real cosine = abs(dot(s.normal, load3(block.to_eye, at)));
     const real n_v = sr_select(cosine > 0.0f, min(cosine, real(1.0f)), real(0.0f));
     store3(radiance, at, sr_emitted(s) + sr_environment(s, n_v, light));

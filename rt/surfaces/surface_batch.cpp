@@ -142,7 +142,7 @@ shading::SrBlend blend_at(const BlendBlock& blends, size_t lane) {
   return {blends.cover[lane], vector_at(blends.through, lane)};
 }
 
-// Fills what blocks have no rows for.
+// Computes what is not stored in blocks.
 void finish_point(const ShadingScene& scene, const HitPlace& place, SurfacePoint& point) {
   const Hit& hit = *place.hit;
   const sideray_material_desc& desc = material_of(scene, place);

@@ -17,8 +17,8 @@ struct TextureRead {
   const model::Texture* texture;
   const sideray_texture_slot* place;
   uint32_t slot;  // index into model::material_slots
-  // Names the material's read whose value this one takes over: images often pack several maps (occlusion, roughness,
-  // metal). It is the read's own number where there is none before it.
+  // The material's earlier read whose value this one reuses: images often pack several maps (occlusion, roughness,
+  // metal). Its own number if there is none.
   uint32_t same_as;
 };
 

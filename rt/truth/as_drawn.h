@@ -1,6 +1,5 @@
-// Makes rays hit a scene as it is drawn for as long as an object of this lives: moving plants in poses of their own,
-// nothing left out for its size. The options before hold again afterwards, and what they pose is made anew where it was
-// another.
+// While an object of this type lives, rays hit the scene as it is drawn: swaying plants in their own poses, nothing
+// culled. Afterwards the previous options hold again, and their poses are rebuilt if they differ.
 #pragma once
 
 #include "rt/scene/traced_scene.h"

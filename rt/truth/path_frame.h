@@ -1,5 +1,5 @@
-// Holds what the paths through a picture's pixels are followed with, one way each (RefractionTracer::find_ends), and where the
-// straight rays of the pixels end. It refers to itself, and is built where it stays.
+// Holds the state of the paths through a picture's pixels, one each (RefractionTracer::find_ends), and the ends of the
+// pixels' straight rays. It holds pointers to itself and must not move.
 #pragma once
 
 #include <vector>

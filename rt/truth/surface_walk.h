@@ -35,7 +35,7 @@ class SurfaceWalk {
   }
 
  private:
-  // So many surfaces are found in a round, more where they all lie at one place.
+  // Surfaces found in a round; more if they all lie at one place.
   static constexpr uint32_t surfaces_in_round = 8, most_surfaces_in_round = 64;
   // A further round starts this share of the distance before the last surface, and skips by the total order what was
   // found before.

@@ -28,7 +28,7 @@ class MaskJob final : public Job {
 
   const rt::OcclusionMasks& image() const { return image_; }
   const sideray_mask_outputs& outputs() const { return outputs_; }  // ticket 0: none yet
-  // By which a depth d of outputs().depth_texture may be off: x * d * d + y.
+  // Error bound of a depth d of outputs().depth_texture: x * d * d + y.
   glm::vec2 depth_error(const rt::FrameCamera& camera) const;
 
  private:

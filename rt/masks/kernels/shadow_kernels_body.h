@@ -63,7 +63,7 @@ SIDERAY_LANE real nearness_around(const ShadowPlanes& p, SfPlane plane, int32_t 
     for (int32_t dx = -2; dx <= 2; ++dx) {
       const int32_t other = at + dy * p.stride + dx;
       const real nearness = load_any(p.nearness + other);
-      if (!sr_any(nearness > 0.0f)) continue;  // as in every other row: few pixels are measured
+      if (!sr_any(nearness > 0.0f)) continue;  // as in every other row: few pixels have a measured distance
       const real on = sf_on_plane(plane, static_cast<float>(dx), static_cast<float>(dy), load_any(p.inverse + other));
       const real weight = sr_select(nearness > 0.0f, on, real(0.0f));
       sum = sum + weight * nearness;
