@@ -72,7 +72,7 @@ OptionRow inexact_row() {
                                                    {{"tmin", SIDERAY_INEXACT_TMIN},
                                                     {"bounded", SIDERAY_INEXACT_BOUNDED},
                                                     {"restpose", SIDERAY_INEXACT_RESTPOSE}},
-                                                   "restpose", "which test inexact shadow rays take"));
+                                                   "restpose", "test of inexact shadow rays"));
   row.option.advanced = 1;
   bind<&OptionValues::shadows, &sideray_shadow_options::inexact>(row);
   row.in_structs = {SIDERAY_EXACT, SIDERAY_INEXACT_ORIGIN};
@@ -81,7 +81,7 @@ OptionRow inexact_row() {
 
 OptionRow bias_row() {
   OptionRow row = of_inexact_shadows(option_number(
-      "inexact-bias", "B", {0, 1e6}, "0.5", "inexact tmin: distance over which hits are ignored, at most"));
+      "inexact-bias", "B", {0, 1e6}, "0.5", "inexact tmin: largest distance over which hits are ignored"));
   row.option.diagnostic = 1;
   row.option.applies = "shadows inexact with inexact tmin";
   bind<&OptionValues::shadows, &sideray_shadow_options::inexact_bias>(row);
@@ -123,7 +123,7 @@ void add_poses(const OptionValues& v, const OptionScene& scene, std::vector<Shor
 
 OptionRow poses_row() {
   OptionRow row = of_poses(option_integer("poses", "rest|K|all", {1, 256}, "16",
-                                          "poses of plants in wind: neutral, K a mesh, or all"),
+                                          "poses in which rays hit plants: neutral, K a mesh, or all"),
                            "all");
   row.words = {{"rest", SIDERAY_POSES_REST}, {"all", SIDERAY_POSES_ALL}};
   row.range = "rest, 1 to 256, or all";
@@ -134,7 +134,7 @@ OptionRow poses_row() {
 
 OptionRow culling_row() {
   OptionRow row = of_poses(
-      option_number("cull-angle", "DEG", {0, 90}, "0", "instances that appear smaller are not traced"),
+      option_number("cull-angle", "DEG", {0, 90}, "0", "instances of a smaller angular size are not traced"),
       "0");
   row.option.advanced = 1;
   bind<&OptionValues::poses, &sideray_pose_options::cull_angle_deg>(row);
@@ -173,7 +173,7 @@ std::string decided_opaque(const OptionValues& v, const std::string& text) {
 
 OptionRow reflections_row() {
   OptionRow row = opaque_rays_row("reflections", SIDERAY_REFLECTIONS_AUTO,
-                                  "opaque surfaces reflect by rays; auto: where one is smooth");
+                                  "traced reflections of opaque surfaces; auto: if one is smooth");
   row.option.cost = SIDERAY_COST_PICTURE;
   bind<&OptionValues::picture, &sideray_render_options::reflections>(row);
   row.decided = decided_opaque;

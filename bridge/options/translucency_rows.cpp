@@ -314,7 +314,7 @@ OptionRow match_row() {
 
 OptionRow match_threshold_row() {
   OptionRow row = of_the_cache(option_number("match-threshold", "T", {1e-9, 1.0}, "0.001",
-                                             "match distance: relative difference of distances, at most"),
+                                             "match distance: largest relative difference of distances"),
                                "");
   row.option.diagnostic = 1;
   row.option.applies = "hybrid with match distance";
@@ -342,7 +342,7 @@ OptionRow step_row() {
                                             {{"multihit", SIDERAY_STEP_MULTIHIT},
                                              {"retrace", SIDERAY_STEP_RETRACE},
                                              {"listing", SIDERAY_STEP_LISTING}},
-                                            "multihit", "how a ray finds one surface behind the other"),
+                                            "multihit", "how a ray finds its surfaces one after another"),
                               "multihit");
   row.option.diagnostic = 1;
   bind<&OptionValues::translucency, &sideray_translucency_options::step>(row);

@@ -58,11 +58,11 @@ void add_views(std::vector<OwnOption>& list) {
   constexpr const char* title = "Camera and time";
   list.push_back(of_view("size", under(most_used(), text_row("camera", "NAME-OR-INDEX", "",
                                                            "a camera of the scene [the first, else all is framed]"))));
-  list.push_back(of_view("size", under(title, text_row("eye", "X,Y,Z", "", "where a camera of your own stands"))));
-  list.push_back(of_view("size", under(title, text_row("target", "X,Y,Z", "", "the point that it looks at"))));
+  list.push_back(of_view("size", under(title, text_row("eye", "X,Y,Z", "", "position of a camera of your own"))));
+  list.push_back(of_view("size", under(title, text_row("target", "X,Y,Z", "", "the point that --eye looks at"))));
   list.push_back(of_view(
       "size",
-      under(title, number_row(text_row("fov", "DEG", "", "its vertical angle of view in degrees [45]"), 0.01, 179.0))));
+      under(title, number_row(text_row("fov", "DEG", "", "vertical angle of view of --eye in degrees [45]"), 0.01, 179.0))));
   list.push_back(of_view("size", under(title, rare(text_row("intrinsics", "FX,FY,CX,CY", "",
                                                             "a calibrated camera's focal lengths and principal point")))));
 }
@@ -110,9 +110,9 @@ void add_surroundings(std::vector<OwnOption>& list) {
   list.push_back(
       of_view(after, under(title, text_row("env", "sky|none|FILE", "sky", "surroundings; lat-long .exr or .hdr"))));
   list.push_back(of_view(
-      after, under(title, rare(number_row(text_row("env-scale", "S", "1", "factor on their radiance"), 0, 1e6)))));
+      after, under(title, rare(number_row(text_row("env-scale", "S", "1", "scales the radiance of the surroundings"), 0, 1e6)))));
   list.push_back(of_view(
-      after, under(title, rare(number_row(text_row("env-rotate", "DEG", "0", "turns them about +Y, counter-clockwise"),
+      after, under(title, rare(number_row(text_row("env-rotate", "DEG", "0", "rotates the surroundings about +Y, counter-clockwise"),
                                           -36000, 36000)))));
   list.push_back(of_view(
       after,
@@ -139,7 +139,7 @@ void add_runs(std::vector<OwnOption>& list) {
   constexpr const char* title = "Many pictures";
   constexpr double most_frames = 1000000;
   list.push_back(of_run(after, under(title, text_row("jobs", "FILE.json", "", "draws many pictures in one process"))));
-  list.push_back(of_run(after, under(title, flag_row("resume", "skips what exists"))));
+  list.push_back(of_run(after, under(title, flag_row("resume", "skips pictures that exist"))));
   list.push_back(of_run(
       after, under(title, rare(text_row("shard", "I/N|auto[/N]", "", "draws the I-th of N blocks of the frames")))));
   list.push_back(of_run(

@@ -50,8 +50,8 @@ struct sideray_diagnostics {
   /* With `repeats`, where rays are traced: measured behind the frames that are timed, and written before the call that
    * draws returns. The one thing that options lead to which the library writes. NULL: not measured. */
   sideray_raw_frame* raw_frame;
-  /* A budget without a clock: so many pieces of each kind of mask, of layers and of reflections are traced in a frame, which are
-   * the same for any number of threads. 0 = none. */
+  /* A budget without a clock: this many pieces of each kind of mask, of layers and of reflections are traced in a frame,
+   * the same ones for any number of threads. 0 = none. */
   uint32_t budget_pieces;
 };
 

@@ -18,7 +18,7 @@ typedef enum sideray_option_type {
   SIDERAY_OPTION_INTEGER = 2, /* minimum..maximum, or one of `choices` */
   SIDERAY_OPTION_NUMBER = 3,  /* minimum..maximum, or one of `choices` */
   SIDERAY_OPTION_SIZE = 4,    /* "1280x720": sides of minimum..maximum */
-  SIDERAY_OPTION_TEXT = 5,    /* not read by the library: for whoever loads scenes */
+  SIDERAY_OPTION_TEXT = 5,    /* not read by the library: for programs that load scenes */
   SIDERAY_OPTION_FLAG = 6,    /* "true" or "false" */
   SIDERAY_OPTION_TYPE_FORCE_32 = 0x7fffffff
 } sideray_option_type;

@@ -208,7 +208,7 @@ typedef struct sideray_reference_options {
 /* 64 samples, with refraction, 1 bounce, without caustics of lamps. */
 SIDERAY_DEFAULTS(sideray_reference_options, reference)
 
-/* A sequence that is anti-aliased over time is drawn from so many places in the pixel in turn. */
+/* A sequence that is anti-aliased over time is drawn from this many positions in the pixel in turn. */
 enum { SIDERAY_JITTER_PERIOD = 8 };
 
 typedef struct sideray_render_options {
@@ -226,7 +226,7 @@ typedef struct sideray_render_options {
    * computes what that stands for, and takes AUTO for 0. */
   int32_t reflections, ao;
   int32_t denoise;         /* masks, and what rough surfaces reflect by rays, are filtered */
-  int32_t taa;             /* with `continues`: average with the frames before along the motion */
+  int32_t taa;             /* with `continues`: average with earlier frames along the motion */
   /* The picture follows the last one that this renderer drew, as the next of a sequence: temporal methods may use what
    * was traced for it. 0: a single picture, or the first. */
   int32_t continues;

@@ -104,7 +104,7 @@ typedef struct sideray_frame_source {
   const uint8_t* mask_texels; /* SIDERAY_MASK_MEMORY: of the rectangle, read within submit */
   size_t mask_row_bytes;
   /* RG32F or RG16F 2D of the framebuffer's size, read by masks of frames that continue: where what the pixel shows is
-   * minus where it was in the frame before, in pixels; 0 = nothing but the view has moved. */
+   * minus where it was in the previous frame, in pixels; 0 = nothing but the view has moved. */
   uint32_t motion_texture;
   uint32_t reserved[15]; /* 0 */
 } sideray_frame_source;
@@ -186,8 +186,8 @@ typedef struct sideray_mask_inputs {
   /* One more layer behind those of lights in shadow_texture, with ao_rays: the share of the sky's light that nothing opaque
    * hides and that translucent surfaces let through. */
   int32_t unhidden_sky;
-  /* For a host that shows masks of an older frame: what sideray_shadow_moving() and its like in the snippet need to find a
-   * surface that has moved since, or that the camera sees elsewhere. One more texture, of 4 bytes a pixel. */
+  /* For a host that shows masks of an earlier frame: what sideray_shadow_moving() and the like need to find a surface
+   * that has moved since, or that the camera sees elsewhere. One more texture, of 4 bytes a pixel. */
   int32_t moving;
 } sideray_mask_inputs;
 
@@ -223,24 +223,24 @@ typedef struct sideray_frame_inputs {
    * noticed; moved instances are followed; a job that was cancelled or failed is followed by none. */
   int32_t continues;
   uint32_t seed;
-  /* Milliseconds from submit, > 0, after which no more rays begin: what is there by then is uploaded. Masks and layers have
-   * an eighth of it in any case, from their first ray on. Who was traced longest ago comes first, then the middle of the
-   * picture and pixels of many surfaces. In frames that continue, CACHE and masks show their older answers where nothing was
-   * traced, moved along with camera and instances: no surface shows another's. Where there is none, fragments keep their
-   * raster look, and masks are lit and open. COMPOSITE: the rest is empty; reflections are not traced. Where layers are
-   * wanted too, masks get half of the time that is left, then reflections half of what is left then. 0 = none. The one
-   * input that gives up the same bits. */
+  /* Milliseconds from submit, > 0, after which no more rays begin: what is there by then is uploaded. Masks and layers
+   * have an eighth of it in any case, from their first ray on. What was traced least recently comes first, then the
+   * middle of the picture and pixels of many surfaces. In frames that continue, CACHE and masks show their history where
+   * nothing was traced, reprojected with camera and instances: no surface shows another's. Where there is none,
+   * fragments keep their raster look, and masks are lit and open. COMPOSITE: the rest is empty; reflections are not
+   * traced. Where layers are wanted too, masks get half of the time that is left, then reflections half of what is left
+   * then. 0 = none. The one input besides budget_ms that makes the bits depend on the machine. */
   float deadline_ms;
   sideray_state_policy state_policy; /* of submit, and of what advance and wait do for this frame */
   /* Which of the host's views it is, 0 to SIDERAY_MAX_VIEWS - 1: an eye, a part of the screen, a mirror's picture. Each
-   * has outputs, a past (`continues`, `adds_to`) and three places for frames in flight of its own. */
+   * has outputs, a history (`continues`, `adds_to`) and three places for frames in flight of its own. */
   uint32_t view_id;
   const sideray_diagnostics* diagnostics; /* NULL: none. Of it, exact_points and budget_pieces are read */
-  /* Milliseconds, > 0, within which the frame is finished from when its depth is read back: rays, filters and uploads
-   * of all its jobs. The service learns from the frames before what each takes, and stops rays in time for the rest. Views
-   * submitted together share the budget of the first. Each job traces at least one piece of the picture in each frame;
-   * what has no turn shows older answers or none, as deadline_ms says, and reflections do so too. Who waits longest comes first.
-   * 0 = none. Not with deadline_ms, which is read until 0.4. */
+  /* Milliseconds, > 0, within which the frame is finished from when its depth is read back: rays, filters and uploads of
+   * all its jobs. The service predicts the filters and uploads from earlier frames, and stops rays in time for them.
+   * Views submitted together share the budget of the first. Each job traces at least one piece of the picture in each
+   * frame; what has no turn shows history or nothing, as deadline_ms says, reflections too. What waits longest comes
+   * first. 0 = none. Not with deadline_ms, which is read until 0.4. */
   float budget_ms;
 } sideray_frame_inputs;
 
@@ -255,12 +255,12 @@ typedef struct sideray_host_gl {
 } sideray_host_gl;
 
 /* Needs the host's context current, here and in every call below. All OpenGL state that a call touches is put back
- * exactly, but for frames whose inputs say otherwise (state_policy); no OpenGL error is left behind or taken away. */
+ * exactly, except by frames whose inputs say otherwise (state_policy); no OpenGL error is left behind or taken away. */
 SIDERAY_API sideray_status sideray_service_create(sideray_tracer* tracer, const sideray_host_gl* host,
                                                   sideray_service** service, sideray_error* error);
 /* Deletes the service's GL objects; the context that created it must be current. Joins the tracing threads. */
 SIDERAY_API void sideray_service_destroy(sideray_service* service);
-/* For a host whose context is gone: forgets all GL objects without calling OpenGL. Destroy afterwards. */
+/* For a host whose context is gone: drops all GL objects without calling OpenGL. Destroy afterwards. */
 SIDERAY_API void sideray_service_abandon_context(sideray_service* service);
 
 /* Starts reading depth and stencil back and returns at once; it copies what `inputs` points at. SIDERAY_NOT_READY:
@@ -318,8 +318,8 @@ typedef struct sideray_mask_outputs {
   uint32_t tint_texture;
   int32_t tint_layers[33]; /* of light i, [32] of the combined ones: the first of its three, counted from 1; 0 = untinted */
   uint32_t depth_texture;  /* R32F 2D, for the snippet: sideray_mask_inputs::moving; 0 = not asked for */
-  /* R8 2D: of each pixel which masks are traced, or moved from an older frame: 255 times the texel is 1 (those of lights) + 2 (that
-   * of the sky). The others are lit and open: draw there what a rasterizer would. 0 = all are, as always without a budget. */
+  /* R8 2D: which masks of a pixel are traced or reprojected: 255 times the texel is 1 (those of lights) + 2 (that of the
+   * sky). The others are lit and open: draw there what a rasterizer would. 0 = all are, as always without a budget. */
   uint32_t answer_texture;
 } sideray_mask_outputs;
 
@@ -364,7 +364,7 @@ typedef struct sideray_frame_stats {
   uint64_t dropped_particles; /* sprites in view that rays do not hit */
   uint64_t bytes_readback, bytes_upload, bytes_cache;
   uint64_t points_shaded, points_not_finite; /* by a host's shader; of them, results that were not taken */
-  uint64_t layers_borrowed; /* under ray_reuse: whose rays were not traced, but lent */
+  uint64_t layers_borrowed; /* under ray_reuse: layers that reuse the rays of donors */
   uint64_t layers_refracted; /* CACHE with refraction: layers that hold what is seen through them */
   /* Of pixels_masked, besides pixels_late: those that the deadline gave up and that show an answer of an earlier frame. The
    * others are of this frame. */
@@ -372,11 +372,11 @@ typedef struct sideray_frame_stats {
   /* The same of pixels with an opaque surface: those whose masks the deadline left lit and open, and those whose masks are of an
    * earlier frame. */
   uint64_t mask_pixels_late, mask_pixels_older;
-  uint64_t answer_age; /* of the oldest of them all: frames, but for those in which nothing had changed */
+  uint64_t answer_age; /* of the oldest of them all, in frames; those without a change do not count */
   /* The same of pixels that mirror: those without a reflection, and those whose reflection is of an earlier frame. */
   uint64_t reflection_pixels_late, reflection_pixels_older;
   uint64_t jobs_starved; /* jobs for whose rays the budget left no time: one piece of each was traced */
-  /* Frames since the piece of the picture was traced that waits longest; 0 = all of it in this one. */
+  /* Age of the least recently traced piece of the picture, in frames; 0 = all was traced in this one. */
   uint64_t frames_waiting;
 } sideray_frame_stats;
 

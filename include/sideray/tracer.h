@@ -80,7 +80,7 @@ typedef enum sideray_radiance_space {
   SIDERAY_SPACE_GAMMA22 = 2 /* x^(1/2.2): what engines of old write to a plain RGBA8 target */
 } sideray_radiance_space;
 
-/* A surface that a ray met. Vectors are in world space; coordinates and colours are interpolated between vertices. */
+/* A surface that a ray hit. Vectors are in world space; coordinates and colours are interpolated between vertices. */
 typedef struct sideray_shading_point {
   double position[3];
   float to_eye[3];           /* unit, to where the ray came from */

@@ -232,8 +232,7 @@ def page(groups, defaults, ended, command, size, devices):
              "Where methods break, and what to choose. Find what you see in the first table; the second has the counts behind it.",
              "", f"Written by `{command}` from [`sideray stress`](cli.md#stress), {size}.",
              "A case sweeps one value until methods break and counts errors against a closed form or an exact oracle; a method holds",
-             "where every value is within the bound. Methods are the program's own and the chapter's listings as printed; NAME=VALUE is of",
-             "`--diagnose`. `sideray stress` draws maps of the failures and has the value at which each is worst.", "",
+             "if every value is within the bound. NAME=VALUE is of `--diagnose`; listings are those of the chapter, as printed.", "",
              f"Drivers: {'; '.join(title(names) for names, _ in groups)}.",
              *other_machines(devices), "", "## What you see, and what to choose", ""]
     lines += list(symptom_lines(groups, defaults))
@@ -251,22 +250,27 @@ def alone_lines(program, results, full):
     listed = subprocess.run([program, "stress", "--list"], capture_output=True, text=True, check=True).stdout
     yield ALONE_HEAD
     yield ""
-    yield "The same cases with `--gl none`, whose values are the same bits for each instruction set. Of the tests in wind-gap and contact the"
-    yield "default stands for all: nothing is inexact where rays find what is seen."
+    cases = [line.split()[0] for line in listed.splitlines()]
+    of_case = {case: [row for row in rows if row["name"] == case] for case in cases}
+    meaningless = [case for case in cases if not of_case[case] and case not in ended]
+    failing = [case for case in cases if "fail" in verdict([row for row in of_case[case] if row.get("default")])]
+    yield "The same cases with `--gl none`, whose values have the same bits for each instruction set. In wind-gap and contact the default stands for"
+    yield f"all tests: nothing is inexact where rays find what is seen. {', '.join(meaningless)} have no meaning: no fragment looks for layers."
+    yield f"The defaults {'fail in ' + ', '.join(failing) if failing else 'hold in all cases'}. Other methods that fail (counted as below):"
     yield ""
-    yield "| case | defaults | other methods that fail |"
+    yield "| case | method | fails |"
     yield "|---|---|---|"
-    for case in (line.split()[0] for line in listed.splitlines()):
-        of_case = [row for row in rows if row["name"] == case]
-        if not of_case:
-            yield f"| {case} | {ended.get(case, 'no meaning: no fragment looks for layers')} | |"
-            continue
-        defaults = [row for row in of_case if row.get("default")]
-        others = [f"`{variant.replace('--diagnose ', '')}` ({measured}): {verdict(of)}"
-                  for (_, measured, variant), of in grouped(of_case).items() if "fail" in verdict(of) and not of[0].get("default")]
-        held = verdict(defaults) if defaults else "none of its methods is one"
-        yield f"| {case} | {held} | {'<br>'.join(others)} |"
+    for case in cases:
+        failed = {}
+        for (_, _, variant), of in grouped(of_case[case]).items():
+            if "fail" in verdict(of) and not of[0].get("default"):
+                failed.setdefault(variant.replace("--diagnose ", ""), []).append(verdict(of))
+        for variant, verdicts_of_it in failed.items():
+            yield f"| {case} | `{variant}` | {'; '.join(verdicts_of_it)} |"
     yield ""
+    if ended:
+        yield "; ".join(f"{case}: {message}" for case, message in ended.items()) + "."
+        yield ""
 
 
 def with_section(text, lines):
