@@ -76,7 +76,7 @@ class Sequence {
   gl::FrameBefore before_;
   uint32_t averaged_ = 0;  // pictures in a row that were averaged over time before this one
   uint32_t rests_for_ = 0;   // pictures since something has changed, this one included
-  bool is_settled_ = false;  // the last one showed nothing from before that change
+  bool is_settled_ = false;  // the last one showed no history from before that change
   StillPicture still_;
   std::shared_ptr<rt::TileReach> reach_;  // of its rays
   bool is_restless_ = false;              // so much has moved that the picture as a whole began anew, and nothing has rested since

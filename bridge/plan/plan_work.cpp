@@ -167,7 +167,7 @@ void add_layers(const model::Snapshot& snapshot, const FramePlan& plan, sideray_
   work.fragments = surfaces < most_counted_surfaces ? pixels * surfaces : SIDERAY_UNBOUNDED;
 }
 
-// Rays that a mask sends, and those at a quarter of the pixels that find for its filter how far occluders are.
+// Rays of a mask, and those at a quarter of the pixels that find the distance of occluders for its filter.
 void add_masks(const model::Snapshot& snapshot, const RenderOptions& o, const FramePlan& plan,
                sideray_plan_work& work) {
   const uint64_t pixels = uint64_t{plan.width} * plan.height;
@@ -179,7 +179,7 @@ void add_masks(const model::Snapshot& snapshot, const RenderOptions& o, const Fr
   };
   for (uint32_t bits = plan.masks.shadow_lights; bits != 0; bits &= bits - 1)
     add(plan.masks.denoise && rt::is_filtered(snapshot.lights[static_cast<size_t>(std::countr_zero(bits))], random));
-  // It is noise by nature: which light a pixel's ray goes to is drawn.
+  // It is noisy by nature: each pixel's ray goes to a random light.
   if (plan.masks.combined_lights) add(plan.masks.denoise);
   work.rays_ao = plan.masks.ao_rays * (pixels + (plan.masks.denoise ? measured : 0));
 }

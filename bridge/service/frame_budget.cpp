@@ -16,7 +16,7 @@ FrameBudget::Clock::duration milliseconds(double ms) {
   return std::chrono::duration_cast<FrameBudget::Clock::duration>(std::chrono::duration<double, std::milli>(ms));
 }
 
-// What takes longer than thought is believed at once, what takes less by and by: a frame that is late is seen.
+// A longer time than expected counts at once, a shorter one gradually: a late frame is visible.
 void follow(double& known, double seen) {
   known = seen > known ? seen : known + 0.25 * (seen - known);
 }

@@ -120,7 +120,7 @@ Counters LayerTracing::trace(const CacheRequest& request, TracedScene& scene, La
     composite_filtered(scene.executor(), cache);
     counters.denoise_ms = watch.ms();
   }
-  // It is unknown what the owner uploads after a frame that was cancelled: the next one clears and sends everything.
+  // After a cancelled frame the owner's textures are undefined: the next frame clears and uploads everything.
   if (end == TraceEnd::cancelled) std::fill(cache.traced_tiles.begin(), cache.traced_tiles.end(), uint8_t{1});
   if (end == TraceEnd::cancelled && request.older) request.older->forget();
   for (const Worker& worker : workers_) counters += worker.counters;

@@ -105,7 +105,7 @@ class OlderLayers {
   CacheRequest request_;  // of the last frame; pointers in it are not followed
   std::shared_ptr<const model::Snapshot> posed_, committed_;
   FrameCamera camera_;  // that the layers are seen by
-  uint32_t number_ = 0, state_ = 0;  // of the frame, and of what is seen: it grows where something has changed
+  uint32_t number_ = 0, state_ = 0;  // numbers of the frame, and of the last change of what is seen
   uint32_t state_began_ = 0;         // number of the last frame in which it grew
   std::vector<uint32_t> traced_in_;  // of each pixel: the state that its oldest layer is of; 0 = it shows nothing
   std::vector<uint32_t> turns_;      // of each block of pixels: the number of the frame that traced it last

@@ -59,7 +59,7 @@ void FilteredSink::begin(std::span<const PixelRequest> pixels) {
   }
 }
 
-// What a surface that bends light covers and lets through is part of the light that is found there.
+// The cover and transmittance of a refracting surface are part of the light found there.
 bool FilteredSink::meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met, glm::vec3& weight) {
   Pixel& p = pixels_[pixel];
   if (!bends_.empty() && bends_[snapshot_.instances[met.hit.instance].material] != 0) {

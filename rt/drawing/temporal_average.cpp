@@ -34,7 +34,7 @@ struct Neighbourhood {
   float least_alpha, largest_alpha;
 };
 
-// Toward the mean until it is inside.
+// Moves it toward the mean until it is inside.
 glm::vec3 clipped(glm::vec3 c, const Neighbourhood& n) {
   const glm::vec3 off = c - n.mean;
   const glm::vec3 units = glm::abs(off) / glm::max(deviations * n.deviation, glm::vec3(1e-6f + 1e-4f * std::abs(n.mean.x)));

@@ -106,7 +106,7 @@ inline constexpr float edge_weight = 1.0f / 32;
 
 inline constexpr double beside_an_edge = 4.0;  // times what near_edge() returns: clear of the edge
 
-// Returns the distance to the side at which rays_beside() show what a hit near an edge is part of; 0: no hit is near one.
+// Returns the sideways offset at which rays_beside() decide a hit near an edge; 0: no hit is near one.
 inline double edge_offset(const TraceTable& table, const Ray& ray, std::span<const Hit> hits) {
   double offset = 0.0;
   for (const Hit& hit : hits)

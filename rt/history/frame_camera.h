@@ -1,6 +1,5 @@
-// The camera of a frame as frames that follow it see it: where its pixels' points lie, and where points lie in its picture.
-// All that moves answers from frame to frame asks it. Computed in double, in the snapshot's local space; pixel centres lie at
-// whole numbers. Plain values; any thread.
+// The camera of a frame, for reprojection: where its pixels' points lie, and where points lie in its picture. Computed
+// in double, in the snapshot's local space; pixel centres lie at whole numbers. Plain values; any thread.
 #pragma once
 
 #include <glm/glm.hpp>

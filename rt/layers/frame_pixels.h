@@ -32,7 +32,7 @@ struct PixelSelection {
 };
 PixelSelection selection_of(const CacheRequest& request);
 
-// Refills `frame`. Throws Failure where the request makes no sense.
+// Refills `frame`. Throws Failure if the request is invalid.
 void gather_pixels(const LayerRequest& request, const PixelSelection& selection, Executor& executor,
                    FramePixels& frame);
 

@@ -228,7 +228,7 @@ DepthPoint DepthPoints::Single::point(const MaskRequest& r, const ViewRays& view
   p.normal = glm::vec3(normal);
   const auto doubt = [&](const Step& s) { return s.known ? 2.0 * here.off / glm::length(s.along) : 0.0; };
   p.doubt = static_cast<float>(std::min(doubt(across) + doubt(up), 2.0));
-  // In the rest pose the surface is tilted otherwise: an error along the view ray or across it counts in full.
+  // In the rest pose the surface has another tilt: an error along the view ray or across it counts in full.
   const double any_way = off + (across.breadth + up.breadth) * double{r.subpixel};
   const glm::dvec3 moved = here.resting ? normal * (any_way + least) : -toward * off + normal * least;
   p.front = glm::vec3(here.position + moved);

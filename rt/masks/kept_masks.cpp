@@ -165,7 +165,7 @@ void KeptMasks::restart(const Frame& frame) {
   cycle_ = turn_ = 0;
 }
 
-// Returns after how many frames the frame's inputs have come again; 0: they are new.
+// Returns how many frames ago the frame's inputs were the same; 0: they are new.
 uint32_t KeptMasks::find_cycle(const Frame& frame, size_t layers) const {
   if (!complete_ || layers_.size() != layers) return 0;
   const auto found = std::find(frames_.rbegin(), frames_.rend(), frame);

@@ -56,7 +56,7 @@ struct MaskRequest : sideray_mask_inputs {
   // Frames over which this position of a still view has been traced, this one included. Masks are filtered in the last
   // of them, as one frame without history. 0 = the frame is shown as it is.
   uint32_t position_frames = 0;
-  bool redraw_keeps = false;          // a frame that is drawn again keeps also what it traced when it was drawn first
+  bool redraw_keeps = false;          // a redrawn frame also reuses what it traced when it was drawn first
   std::span<const float> view_depths = {};  // those of fill_depths(), if they are computed already; or empty
   const TracedTiles* traced = nullptr;      // null: all of the picture
   std::span<const glm::vec2> motion;  // a pixel: sideray_frame_source::motion_texture; or empty

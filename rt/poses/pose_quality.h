@@ -1,5 +1,4 @@
-// Measures how much worse a tree of boxes has become whose triangles moved since it was built. One thread at a time may
-// call it.
+// Measures how much worse a tree of boxes has become since its triangles moved. One thread at a time may call it.
 #pragma once
 
 #include <cstdint>

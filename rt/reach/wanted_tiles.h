@@ -14,7 +14,7 @@ namespace sideray::rt {
 
 struct WantedTiles {
   std::vector<uint8_t> tiles;        // of frame_tile_size pixels, row by row; empty: all are wanted
-  std::shared_ptr<TileReach> reach;  // learns where the rays of those tiles go; or null
+  std::shared_ptr<TileReach> reach;  // records where the rays of those tiles go; or null
 
   bool none() const { return !tiles.empty() && std::ranges::find(tiles, 1) == tiles.end(); }
   bool has(size_t tile) const { return tiles.empty() || tiles[tile] != 0; }

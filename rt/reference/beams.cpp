@@ -82,7 +82,7 @@ void Beams::dim(Beam& beam, BeamTarget target, std::span<const Hit> hits) {
     const Crossing crossing = cross(*refraction_, s.hit, false, media);
     bends = crossing.interface && (crossing.ior_from != crossing.ior_to || crossing.disperses);
   }
-  // What goes straight on there is given; the rest paths find.
+  // Straight transmission is added here; paths find the rest.
   if (bends) beam.gain = beam.bent_gain;
   if (!(largest(beam.gain) > 0.0f)) return;
   if (refraction_) {

@@ -21,7 +21,7 @@ struct Beam {
   MediumStack media;  // in which it begins
   uint32_t sum;       // to which it adds
   glm::vec3 gain;       // what the light adds where nothing is in its way
-  glm::vec3 bent_gain;  // the same where something on its way bends light; 0: paths find that
+  glm::vec3 bent_gain;  // the same if something on its way refracts; 0: paths find that
 };
 
 class Beams {

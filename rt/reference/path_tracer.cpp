@@ -46,7 +46,7 @@ glm::vec3 start_of_ray(const SurfacePoint& p, glm::vec3 direction) {
   return p.position + p.geometric_normal * side;
 }
 
-// Returns what of the light a path counts for, where samples of the other density find it too (balance heuristic).
+// Returns the weight of a path's light that samples of the other density find too (balance heuristic).
 float share_of_path(float density, float other) {
   return density > 0.0f && other > 0.0f ? density * balance(1.0f, density, 1.0f, other) : 1.0f;
 }
@@ -92,7 +92,7 @@ void PathTracer::add_exact_lights(const PathStart& start, std::span<PathSum> sum
   if (beams_.size() > paths_at_once) end_beams();
 }
 
-// Sends the paths of a start out.
+// Emits the paths of a start.
 void PathTracer::start(const PathStart& start) {
   if (start.count == 0) return;
   const LobeSampler lobes(*start.point);

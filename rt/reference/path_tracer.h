@@ -26,7 +26,7 @@ struct PathStart {
   const WayEvent* passed;     // of a surface that they pass; null: it reflects them
   uint32_t sum;               // to which they add
   uint32_t key;               // of their random numbers
-  uint32_t first, count;      // their numbers among those of the key, over which sets of points are spread
+  uint32_t first, count;      // their numbers among the paths of the key
   glm::vec3 weight;           // what each makes of radiance
 };
 

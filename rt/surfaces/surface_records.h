@@ -26,7 +26,7 @@ struct alignas(16) MaterialRecord {
   float shading[words];  // the last two are integers: alpha mode; all bits where unlit
   float perturbs;        // 1: a normal map bends the normals
   float normal_scale, coat_normal_scale;
-  float absorbs;  // 1: there is something to absorb light where the surface is thick
+  float absorbs;  // 1: the volume absorbs light
   float framed;   // 1: tangents count
   uint32_t first_read, reads;
 };

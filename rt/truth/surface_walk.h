@@ -1,5 +1,5 @@
-// Meets all surfaces of one kind along each ray, coplanar ones too, however many there are. Holds scratch memory: one object
-// per thread.
+// Finds all surfaces of one kind along each ray, coplanar ones too, however many there are. Holds scratch memory: one
+// object per thread.
 #pragma once
 
 #include <algorithm>
