@@ -1,5 +1,6 @@
 """pages_test.py SOURCE_FOLDER PROGRAM [PAGE...]: what the pages name is there. PROGRAM is build/sideray.
 
+  blocks     blocks of code end
   links      relative links lead to files, and their anchors to headings
   files      paths in code, such as `rt/base/lanes.h` or `bridge/plan/frame_plan`, are those of the sources
   functions  `name()` and `Class::name()` are in the sources
@@ -63,6 +64,18 @@ def link_faults(page, pages):
             yield f"({target}): there is no {file}"
         elif anchor and path in pages and anchor not in pages[path].headings():
             yield f"({target}): {pages[path].name} has no such heading"
+
+
+def fence_faults(page):
+    """A block that does not end where it seems to hides all links and code behind it."""
+    inside = False
+    for number, line in enumerate(page.text.splitlines(), 1):
+        if line.lstrip().startswith("```"):
+            if inside and line.strip() != "```":
+                yield f"line {number}: text behind the end of a block"
+            inside = not inside
+    if inside:
+        yield "a block of code has no end"
 
 
 def file_faults(page, root):
@@ -171,7 +184,7 @@ def main():
     faults, run = [], 0
     chosen = [p for p in pages.values() if p.name in sys.argv[3:]] or pages.values()
     for page in chosen:
-        found = [*link_faults(page, pages), *file_faults(page, root), *function_faults(page, sources),
+        found = [*fence_faults(page), *link_faults(page, pages), *file_faults(page, root), *function_faults(page, sources),
                  *option_faults(page, known, elsewhere, removed),
                  *test_faults(page, tests), *python_faults(page)]
         for text, words in commands_of(page):
