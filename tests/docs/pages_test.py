@@ -4,6 +4,7 @@
   links      relative links lead to files, and their anchors to headings
   files      paths in code, such as `rt/base/lanes.h` or `bridge/plan/frame_plan`, are those of the sources
   functions  `name()` and `Class::name()` are in the sources
+  symbols    sideray_* and SIDERAY_* are in the sources
   options    `--name` is an option of the program, or of a script, example or test; pages about older versions may name
              removed options
   commands   `sideray ...` is parsed by the program, which then misses its scene
@@ -99,6 +100,16 @@ def function_faults(page, sources):
             yield f"`{span}`: there is no such function"
 
 
+def symbol_faults(page, words):
+    """Names of the interface, of the snippet and of environment variables."""
+    if page.name.startswith(HISTORICAL):
+        return
+    code = page.spans + [block for _, block in page.blocks]
+    for name in sorted({name for text in code for name in re.findall(r"\b(?:sideray|SIDERAY)_[A-Za-z0-9_]+", text)}):
+        if name not in words and "NAME" not in name and not (name.endswith("_") and any(w.startswith(name) for w in words)):
+            yield f"`{name}`: there is no such name"
+
+
 def option_faults(page, known, elsewhere, removed):
     texts = page.spans + [line for language, block in page.blocks if language in ("", "sh") for line in block.splitlines()]
     for text in texts:
@@ -181,10 +192,11 @@ def main():
     elsewhere = text_below(root, "script", "examples", "tests/viewer", "tests/cluster", "viewer") + FOREIGN
     removed = (root / "bridge/options/removed_options.cpp").read_text() + text_below(root, "cli")
     tests, sources = text_below(root, "tests"), text_below(root, *FOLDERS.split("|"))
+    names = set(re.findall(r"\w+", sources + (root / "CMakeLists.txt").read_text()))
     faults, run = [], 0
     chosen = [p for p in pages.values() if p.name in sys.argv[3:]] or pages.values()
     for page in chosen:
-        found = [*fence_faults(page), *link_faults(page, pages), *file_faults(page, root), *function_faults(page, sources),
+        found = [*fence_faults(page), *link_faults(page, pages), *file_faults(page, root), *function_faults(page, sources), *symbol_faults(page, names),
                  *option_faults(page, known, elsewhere, removed),
                  *test_faults(page, tests), *python_faults(page)]
         for text, words in commands_of(page):
