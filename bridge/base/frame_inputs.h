@@ -19,7 +19,7 @@ struct Inspection {
   // The previous frame of the view is traced once more, for its time or for another sample position: no history advances.
   bool redraws = false;
   bool keeps_masks = false;  // where it is drawn again: its masks stay, as those of a frame that shows nothing new do
-  // These name the tiles of layers, and of masks and reflections, that are traced in a frame which follows none; null names all.
+  // Tiles of layers, and of masks and reflections, that are traced in a frame that does not continue; null: all.
   std::shared_ptr<const rt::WantedTiles> wanted, wanted_light;
   // Frames that a position of a still view has taken, this one included: nothing is shown before it is whole. 0 = it is no such.
   uint32_t position_frames = 0;

@@ -135,7 +135,7 @@ float least_light_of(const model::Snapshot& snapshot, const RenderOptions& o) {
   return 0x1p-9f * elementary::exp2(-std::max(o.picture.exposure, 0.0f));
 }
 
-// Rays that light opaque pixels beside those to lights.
+// Ambient occlusion and reflection rays of opaque pixels.
 void plan_opaque_rays(const model::Snapshot& snapshot, const RenderOptions& options, FramePlan& plan) {
   const bool chooses_ao = options.picture.ao == SIDERAY_AO_AUTO;
   const bool chooses_reflections = options.picture.reflections == SIDERAY_REFLECTIONS_AUTO;

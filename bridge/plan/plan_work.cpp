@@ -20,7 +20,7 @@ using Textures = std::vector<PlannedTexture>;
 // few once more (rt/shading/hit_shader.cpp).
 constexpr uint64_t rays_a_mirror = 3;
 
-// Bounds stay bounds where a term has none.
+// A sum with an unbounded term is unbounded.
 uint64_t sum(uint64_t a, uint64_t b) {
   return a == SIDERAY_UNBOUNDED || b == SIDERAY_UNBOUNDED ? SIDERAY_UNBOUNDED : a + b;
 }

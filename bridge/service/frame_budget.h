@@ -39,7 +39,7 @@ class FrameBudget {
   void uploaded(uint32_t view_id, size_t job, double ms);
 
  private:
-  // What a job of a view takes, as its last frames say, in milliseconds.
+  // The times of a view's job in its last frames, in milliseconds.
   struct Cost {
     double rays = 1.0;   // until all are traced
     double after = 0.0;  // from when they are stopped until the job is traced: pieces that have begun, filters

@@ -78,7 +78,7 @@ struct ServiceView {
   std::array<std::shared_ptr<const model::Snapshot>, job_count> shown;  // the scene of each job's newest outputs
   std::array<bool, job_count> broken{};  // the next frame that is traced by the job follows none
 
-  // Forgets all OpenGL objects without calling OpenGL.
+  // Drops all OpenGL objects without calling OpenGL.
   void abandon() {
     for (ServiceFrame& frame : frames) {
       frame.readback.abandon();

@@ -64,7 +64,7 @@ class PointSet {
   PointSet() = default;
   explicit PointSet(uint32_t key) : order_(hash_bits(key)), x_(hash_bits(key + 1u)), y_(hash_bits(key + 2u)) {}
 
-  // Makes the set of the keys that another has.
+  // Makes the set with the keys of another one.
   PointSet(uint32_t order, uint32_t x, uint32_t y) : order_(order), x_(x), y_(y) {}
   uint32_t order_key() const { return order_; }
   uint32_t x_key() const { return x_; }

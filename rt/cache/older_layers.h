@@ -38,10 +38,10 @@ class OlderLayers {
              LayerCache& cache);
   // Resets the history.
   void forget() { known_ = has_moved_ = false; }
-  // Returns whether the cache may hold layers that were moved along.
+  // Returns whether the cache may hold reprojected layers.
   bool has_moved() const { return has_moved_; }
 
-  // Returns in which frame pixels had their turn, the one that waits longest; 0 where most of them show nothing.
+  // Returns the frame of the least recently traced pixel; 0 if most of them show nothing.
   uint32_t last_turn(std::span<const PixelRequest> pixels) const;
   // Clears pixels of the cache that are about to be traced.
   void clear(std::span<const PixelRequest> pixels, LayerCache& cache);
@@ -107,7 +107,7 @@ class OlderLayers {
   FrameCamera camera_;  // that the layers are seen by
   uint32_t number_ = 0, state_ = 0;  // numbers of the frame, and of the last change of what is seen
   uint32_t state_began_ = 0;         // number of the last frame in which it grew
-  std::vector<uint32_t> traced_in_;  // of each pixel: the state that its oldest layer is of; 0 = it shows nothing
+  std::vector<uint32_t> traced_in_;  // of each pixel: state_ of its oldest layer; 0 = it shows nothing
   std::vector<uint32_t> turns_;      // of each block of pixels: the number of the frame that traced it last
   std::vector<uint32_t> tile_oldest_;  // of each tile: not above the least of traced_in_; 0 = none is above 0
   std::vector<Surface> surfaces_;    // a texel of the cache each

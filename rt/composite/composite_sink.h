@@ -40,8 +40,8 @@ class CompositeSink final : public LayerSink {
   bool exact_;
 };
 
-// Stores what refracted rays saw in the image's texels. The alpha of radiance is 1 less what the surroundings show
-// through, which the radiance holds already. exact: as in CompositeSink.
+// Stores what refracted rays saw in the image's texels. The alpha of radiance is 1 minus the transmittance to the
+// surroundings, which the radiance includes. exact: as in CompositeSink.
 void store_refracted(std::span<const PixelRequest> pixels, const std::vector<RefractedPixel>& seen, bool exact,
                      CompositeImage& image);
 

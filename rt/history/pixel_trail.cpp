@@ -6,7 +6,7 @@
 namespace sideray::rt {
 namespace {
 
-// By this share of its depth a surface may be off where it was seen before: less than what lies behind an edge.
+// Depth tolerance of a reprojected surface, as a share of its depth: less than the step at an edge.
 constexpr float same_depth = 1.0f / 128.0f;
 
 }  // namespace

@@ -32,8 +32,7 @@ class PixelTrail {
 
   // Pixels of a row that lie in one tile: where each was in the previous frame, as y * width + x, or nowhere.
   using Row = std::array<uint32_t, frame_tile_size>;
-  // Finds them for `count` pixels from (x, y) on. In a view that stands still a pixel was where it is, or it was another
-  // surface's.
+  // Finds them for `count` pixels from (x, y) on. In a view at rest a pixel was where it is, or showed another surface.
   void look_back(uint32_t x, uint32_t y, uint32_t count, Row& from) const;
 
  private:

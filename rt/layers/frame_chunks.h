@@ -23,7 +23,7 @@ class FrameChunks {
   void gather(const LayerRequest& request, const PixelSelection& selection, Executor& executor);
   // Returns in which frame pixels were traced last, 0 = some never.
   using LastTurn = std::function<uint32_t(std::span<const PixelRequest>)>;
-  // Lets the chunks of a request under a deadline take turns over frames: first come those that wait longest.
+  // Lets the chunks of a request under a deadline take turns over frames, the least recently traced first.
   void take_turns(const LastTurn& last_turn, Executor& executor);
 
   const FramePixels& frame() const { return frame_; }

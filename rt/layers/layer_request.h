@@ -64,7 +64,7 @@ struct CacheRequest : LayerRequest {
 struct LayerCache {
   static constexpr uint32_t tile_size = frame_tile_size;
   uint32_t width = 0, height = 0, layers = 0;
-  // Four halfs a texel; alpha 1, or moved_alpha where an answer of an earlier frame was moved along.
+  // Four halfs a texel; alpha 1, or moved_alpha for reprojected history.
   static constexpr float moved_alpha = 0.5f;
   std::vector<uint16_t> radiance;
   // Along the view ray; 0 = empty. Negative: the layer there is resolved, the last of its pixel, and hides all behind it.

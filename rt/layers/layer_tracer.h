@@ -42,7 +42,7 @@ class LayerSink {
   // there is one.
   virtual void add_rough(uint32_t /*pixel*/, uint32_t /*layer*/, const SurfacePoint&, glm::vec3 /*radiance*/,
                          const RoughReflection&) {}
-  // This is called where the light of a layer that was added is all that is seen of it and of what lies behind it.
+  // Called if an added layer is resolved: its light is all that is seen of it and behind it.
   virtual void resolve(uint32_t /*pixel*/, uint32_t /*layer*/) {}
   // Returns whether the surfaces hit so far hide everything behind them.
   virtual bool finished(uint32_t pixel) const = 0;

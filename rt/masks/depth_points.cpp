@@ -210,7 +210,7 @@ DepthPoint DepthPoints::Single::point(const MaskRequest& r, const ViewRays& view
     return Sides{look(index, -stride, view.perspective()), look(index, stride, view.perspective())};
   };
   const Sides columns = sides_along(1), rows = sides_along(ptrdiff_t{side});
-  // Of a pixel's own face along one axis and of its neighbour's along the other comes the normal of neither.
+  // The slope of one face along one axis and of another along the other gives the normal of neither.
   const bool planes = columns.plane() && rows.plane();
   const Step across = step(index, 1, columns, planes), up = step(index, ptrdiff_t{side}, rows, planes);
   // The margin is half a step of the format with rounding, and what the rasterizer's grid of sub-pixels moves a slope

@@ -29,7 +29,7 @@ bool reads_rest_offsets(const MaskRequest& r) {
          !r.rest_offsets.empty();
 }
 
-// What stands still in a jittered view moves by rounding alone, by less than this many pixels.
+// In a jittered view static surfaces move by rounding alone, by less than this many pixels.
 constexpr float most_still_motion = 0x1p-10f;
 
 bool stands_still(Executor& executor, const MaskRequest& r) {

@@ -95,7 +95,7 @@ class KeptMasks {
   std::vector<Layer> layers_;                // of the last frame; the sky's is the last
   SequenceStep step_ = SequenceStep::first;  // of the last frame that was not drawn again
   uint32_t seed_ = 0;                        // of the last frame
-  uint32_t cycle_ = 0;                       // frames after which what is seen comes again; 0: it does not
+  uint32_t cycle_ = 0;                       // period of the jitter in frames; 0: none
   uint32_t turn_ = 0;                        // of the frame in the cycle
   std::array<Place, longest_cycle> places_;  // where the cycle has several
 };

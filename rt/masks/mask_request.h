@@ -150,7 +150,7 @@ struct OcclusionMasks {
   size_t filter_index(uint32_t layer, uint32_t column, uint32_t row) const {
     return (size_t{layer} * filter_rows() + row) * filter_columns() + column;
   }
-  // Returns whether the pixels of a tile and of its neighbours see part of a light's rays go through and part not.
+  // Returns whether, in a tile and its neighbours, some of a light's rays arrive and some do not.
   bool in_penumbra(uint32_t layer, uint32_t column, uint32_t row) const;
 };
 

@@ -171,7 +171,7 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
   };
   if (older && tracer.traces_sky() && r.position_frames == 0) sum.trace_ao_ms += sample_sky();
   if (tracer.traces_lights()) {
-    PiecesLeft pieces{r.work.pieces ? r.work.pieces->load() : 0};  // those of the sky are as many
+    PiecesLeft pieces{r.work.pieces ? r.work.pieces->load() : 0};  // the sky has as many
     WorkTime time = tracer.traces_sky() ? half_of(r.work) : r.work;
     if (r.work.pieces) time.pieces = &pieces;
     sum.trace_shadow_ms += run(OlderMasks::of_lights, time,

@@ -112,7 +112,7 @@ struct Extent {
       largest = std::max(largest, texels[i]);
     }
   }
-  // What filters have made of a mask lies between.
+  // A filtered mask lies between.
   uint8_t seen() const {
     return static_cast<uint8_t>((least < 255 ? OcclusionMasks::seen_dark : 0) |
                                 (largest > 0 ? OcclusionMasks::seen_lit : 0));

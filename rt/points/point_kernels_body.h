@@ -88,7 +88,7 @@ constexpr double plane_share = 0x1p-6, straighter_factor = 2.0, straighter_noise
 // Holds a pixel's neighbour along an axis.
 struct SeenNeighbor {
   DoubleVector distance, cost;  // cost: infinite where it shows another surface for certain
-  LongVector is_there;          // it shows something that rests as the pixel does
+  LongVector is_there;          // it shows a surface, with a rest pose if the pixel has one
 };
 
 // Holds what the depth does on one side of a pixel; see DepthPoints::Single::Side.

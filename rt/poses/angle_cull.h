@@ -24,7 +24,7 @@ class AngleCull {
  public:
   static constexpr double back = 1.1;
 
-  // Returns whether an instance's answer changed. 0 degrees = nothing is culled, and what was is forgotten.
+  // Returns whether an instance's answer changed. 0 degrees = nothing is culled, and the history is reset.
   bool update(const model::Snapshot& snapshot, float angle_deg, glm::vec3 eye, Executor& executor,
               CullRules rules = {});
   // Has one entry for each of the snapshot's instances, 1 = culled; or none at 0 degrees.

@@ -41,7 +41,7 @@ void EyePaths::trace(std::span<const EyeRay> rays, const EyeSettings& settings, 
   }
 }
 
-// Follows the rays up to where it is left to chance how they go on.
+// Follows the rays up to their first random continuation.
 void EyePaths::find_stops(std::span<const EyeRay> rays, const EyeSettings& settings) {
   stops_.clear();
   next_views_.clear();

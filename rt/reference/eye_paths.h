@@ -1,5 +1,5 @@
-// Sends paths out from what the eye sees along its rays. Up to where it is left to chance how a ray goes on, everything that
-// the ray crosses is found once; a given number of paths is shared out among the surfaces there. Holds scratch memory: one
+// Starts paths from what the eye sees along its rays. Up to the first random continuation of a ray, everything that it
+// crosses is found once; a given number of paths is shared out among the surfaces there. Holds scratch memory: one
 // object per thread.
 #pragma once
 

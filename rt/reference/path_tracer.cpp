@@ -206,7 +206,7 @@ void PathTracer::bend(Path& path, const WayEvent& event, glm::vec3 direction) {
   next_paths_.push_back(path);
 }
 
-// Returns what counts of the light of a shining surface that the path hits: it is sampled too.
+// Returns the weighted light of a shining surface that the path hits, since it is sampled too.
 glm::vec3 PathTracer::counted(const Path& path, const Hit& hit) const {
   if (path.density > 0.0f)
     return glm::vec3(share_of_path(path.density, emitters_->density(path.from, hit, path.way.ray.direction)));
@@ -383,7 +383,7 @@ void PathTracer::meet_lights(const Path& path, const SurfacePoint& p, glm::vec3 
   }
 }
 
-// Adds those that a path was bent toward by a surface.
+// Adds the lights that a path hits after refraction.
 void PathTracer::meet_lights_bent(const Path& path, const SurfacePoint& p) {
   const glm::vec3 direction = path.way.ray.direction;
   for (const ReferenceLight& light : *scene_.lights) {

@@ -17,7 +17,7 @@ struct ReferenceRequest {
   uint32_t light_samples = 64;
   uint32_t bounces = 1;  // 1: docs/adr/0006-reference.md; else paths, 0 = of any length (docs/adr/0028-paths.md)
   bool shadows = true;
-  bool caustics = false;  // paths: lamps with a size and shining surfaces are found by what bends light, not straight through
+  bool caustics = false;  // paths: sized lamps and shining surfaces are found through refraction, not straight
   bool refraction = false;
   bool reflections = false;  // of opaque surfaces: else they reflect the environment alone; paths always reflect
   bool surfaces = false;     // keep what the first position sees

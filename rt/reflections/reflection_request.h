@@ -53,7 +53,7 @@ struct ReflectionRequest {
   bool shadows = true, denoise = false;  // denoise: filter what rough surfaces mirror
   uint32_t seed = 1;
   SequenceStep sequence = SequenceStep::first;   // of `still`
-  StillFrames* still = nullptr;                  // a frame that is the last one keeps the image; null: it is traced
+  StillFrames* still = nullptr;                  // an equal frame reuses the image; null: it is traced
   const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
   WorkTime work;                                 // tiles that it does not let begin are skipped
   OlderReflections* older = nullptr;             // of the sequence: what they show then; null: they are not traced

@@ -93,8 +93,8 @@ SurfacePoint surface_of(const ReflectionRequest& r, const ViewRays& view, const 
   return s;
 }
 
-// Returns whether the lobes around see about the same, so that the filter can average what single directions see of
-// the surroundings. On a bumpy surface it finds few of their like.
+// Returns whether the lobes around are similar, so that the filter can average single directions toward the
+// surroundings. On a bumpy surface few are.
 bool is_among_its_like(const ReflectionRequest& r, size_t texel) {
   const auto x = static_cast<int64_t>(texel % r.width), y = static_cast<int64_t>(texel / r.width);
   const glm::vec4 own = r.normals[texel];

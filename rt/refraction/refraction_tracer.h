@@ -71,7 +71,7 @@ class RefractionTracer {
  public:
   // A path hits at most this many surfaces, even where requests are unlimited: some paths never leave a solid.
   static constexpr uint32_t most_events = 256;
-  // A path that follows from a first bend hits at most this many, that one included.
+  // A path from a first refraction hits at most this many surfaces, that one included.
   static constexpr uint32_t most_events_behind = 8;
   // Exact rays leave the first rough surface that they pass in this many directions, half of them in each estimate;
   // others, and those scattered already, in one.

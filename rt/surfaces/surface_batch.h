@@ -70,7 +70,7 @@ class SurfaceBatch {
   // The same with the surfaces of hits.
   void load(std::span<const HitPlace> hits);
 
-  // Takes shares of the sky's light on the points away: `shares` are those of each block.
+  // Subtracts shares of the sky's light from the points: `shares` are those of each block.
   void hide_sky(std::span<const SkyShares> shares);
 
   // Lets the mirror directions show the prefiltered environment.

@@ -143,7 +143,7 @@ SkyDirections::Draw SkyDirections::draw(uint32_t facing, glm::vec3 normal, glm::
   const float* shares = &shares_[size_t{facing} * cell_count];
   uint32_t i = guides_[size_t{facing} * guide_count + static_cast<size_t>(u.x * guide_count)];
   while (i + 1 < cell_count && shares[i] <= u.x) ++i;
-  // Rounding may leave the last cells nothing, where the last number falls.
+  // Rounding may leave the last cells without a share, although the last number falls there.
   const float low = i > 0 ? shares[i - 1] : 0.0f, share = std::max(shares[i] - low, 0x1p-24f);
   const float within = std::min((u.x - low) / share, 1.0f) * (2.0f / cells_across), above = u.y * (2.0f / cells_across);
   const Cell& cell = cells_[i];
