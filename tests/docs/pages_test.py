@@ -32,6 +32,7 @@ OPTION = re.compile(r"(?<![\w-])--([a-z][a-z0-9-]+)")
 FOREIGN = "--gtest_filter --benchmark_repetitions --dependency --wrap --constraint --exclusive --preset --build --install --target"
 # What stands for something else in a command: SCENE, FILE.glb, DIR/x, N, ..., [OPTIONS], a|b.
 PLACEHOLDER = re.compile(r"\.\.\.|[\[|<>$]|(?<![\w-])[A-Z]{1,12}(?![\w-])")
+STAND_INS = {"SCENE": "scene.glb", "IMAGE": "x.png", "DIR": "d", "FILE": "sweep.json"}
 # Commands that read a scene: one that does not exist ends them before anything is drawn.
 WITH_SCENE = ("render", "bench", "chart", "plan", "view", "info")
 
@@ -124,6 +125,10 @@ def commands_of(page):
     texts = [line for language, block in page.blocks if language in ("", "sh") for line in block.splitlines()]
     for text in page.spans + texts:
         line = re.sub(r"\s+#.*$", "", text.strip()).removeprefix("build/")
+        for word, instead in STAND_INS.items():
+            line = re.sub(rf"(?<![\w-]){word}(?![\w.-])", instead, line)
+        if line.startswith(tuple(f"{command} " for command in WITH_SCENE)):
+            line = f"sideray {line}"
         if not line.startswith("sideray ") or PLACEHOLDER.search(line):
             continue
         words = shlex.split(line)[1:]
