@@ -44,7 +44,7 @@ glm::vec2 SeenAside::place(const SurfacePoint& point, glm::uvec2 pixel, float th
 glm::vec3 SeenAside::added(const SurfacePoint& point, glm::uvec2 pixel) const {
   const model::Instance& instance = scene_.snapshot->instances[point.hit.instance];
   if (instance.sprites != 0 || bends_[instance.material] == 0) return glm::vec3(0.0f);
-  // A solid is bent into once, where it is entered.
+  // A solid refracts once, where it is entered.
   if (instance.solid && !point.hit.front) return glm::vec3(0.0f);
   const shading::SrMaterial& material = scene_.materials[instance.material];
   const float thickness = material.thickness > 0.0f ? material.thickness * thickness_texel(scene_, point) : 0.0f;

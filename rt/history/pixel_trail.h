@@ -51,7 +51,7 @@ class PixelTrail {
   std::optional<FrameCamera> camera_, before_;
   std::vector<float> depth_, depth_before_;
   Terms was_{};
-  glm::vec2 rounding_{0.5f};  // of places: it wanders, so that what moves slowly does not stay
+  glm::vec2 rounding_{0.5f};  // of reprojected places; it varies, so that slow movement is not lost
 };
 
 }  // namespace sideray::rt

@@ -56,7 +56,7 @@ class StillFrames {
   bool is_whole_ = false;
 };
 
-// Returns the bytes of a struct up to the end of its last member, behind which alone there is padding.
+// Returns the bytes of a struct up to the end of its last member: it has padding only behind that.
 template <typename T, typename Last>
 std::vector<std::byte> bytes_through(Last T::*last, const T& inputs) {
   const auto* begin = reinterpret_cast<const std::byte*>(&inputs);
