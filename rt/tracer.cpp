@@ -12,6 +12,7 @@
 #include "rt/drawing/opaque_light.h"
 #include "rt/drawing/temporal_average.h"
 #include "rt/drawing/translucent_places.h"
+#include "rt/irradiance/irradiance_tracing.h"
 #include "rt/layers/layer_check.h"
 #include "rt/masks/occlusion_masks.h"
 #include "rt/reference/ray_batches.h"
@@ -33,6 +34,7 @@ struct Tracer::State {
         layers(threads()),
         composite(threads()),
         reflections(threads()),
+        irradiance(threads()),
         reference(threads()) {}
   uint32_t threads() { return scene.executor().threads(); }
 
@@ -42,6 +44,7 @@ struct Tracer::State {
   LayerTracing layers;
   CompositeTracing composite;
   ReflectionTracing reflections;
+  IrradianceTracing irradiance;
   ReferenceTracing reference;
   GroundTruthTracing truth;
   LayeredDepthTracing layered_depth;
@@ -119,6 +122,10 @@ Counters Tracer::trace_masks(const MaskRequest& request, OcclusionMasks& masks) 
 
 Counters Tracer::trace_reflections(const ReflectionRequest& request, ReflectionImage& image) {
   return state_->reflections.trace(request, state_->scene, image);
+}
+
+Counters Tracer::trace_irradiance(const IrradianceRequest& request, IrradianceImage& image) {
+  return state_->irradiance.trace(request, state_->scene, image);
 }
 
 Counters Tracer::trace_reference(const ReferenceRequest& request, ReferenceImage& image) {

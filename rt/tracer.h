@@ -17,6 +17,7 @@
 #include "rt/base/view.h"
 #include "rt/composite/composite_image.h"
 #include "rt/embree/raw_frame.h"
+#include "rt/irradiance/irradiance_request.h"
 #include "rt/layers/layer_request.h"
 #include "rt/masks/mask_request.h"
 #include "rt/poses/foliage.h"
@@ -78,6 +79,7 @@ class Tracer {
   Counters trace_composite(const LayerRequest& request, CompositeImage& image);
   Counters trace_masks(const MaskRequest& request, OcclusionMasks& masks);
   Counters trace_reflections(const ReflectionRequest& request, ReflectionImage& image);
+  Counters trace_irradiance(const IrradianceRequest& request, IrradianceImage& image);
   Counters trace_reference(const ReferenceRequest& request, ReferenceImage& image);
   PrimaryImage trace_primary(const TraceView& view, uint32_t width, uint32_t height);
   std::vector<OpaquePoint> trace_points(const TraceView& view, uint32_t width, uint32_t height);

@@ -21,7 +21,7 @@ struct sideray_plan {
   sideray_plan_work work;
   uint32_t layers;
   float ray_reuse;
-  bool ao, reflections;
+  bool ao, bounce, reflections;
 };
 
 namespace {
@@ -63,6 +63,7 @@ sideray_status create(sideray_scene* scene, const sideray_render_options* option
     made->layers = frame.traces ? frame.layers.max_layers : 0;
     made->ray_reuse = frame.layers.ray_reuse;
     made->ao = frame.masks.ao_rays != 0;
+    made->bounce = frame.bounces;
     made->reflections = frame.reflects;
     point_at_descriptions(*made);
     *plan = made.release();
@@ -103,6 +104,10 @@ float sideray_plan_ray_reuse(const sideray_plan* plan) {
 
 int32_t sideray_plan_ao(const sideray_plan* plan) {
   return plan->ao;
+}
+
+int32_t sideray_plan_bounce(const sideray_plan* plan) {
+  return plan->bounce;
 }
 
 int32_t sideray_plan_reflections(const sideray_plan* plan) {

@@ -163,7 +163,7 @@ void sideray_render_init(sideray_render_options* out, size_t size) {
   o.samples = 1;
   o.seed = 1;
   o.reflections = SIDERAY_REFLECTIONS_AUTO;
-  o.ao = SIDERAY_AO_AUTO;
+  o.ambient = SIDERAY_AMBIENT_AUTO;
   o.denoise = 1;
   o.translucency = constant(sideray_translucency_init);
   o.shadows = constant(sideray_shadow_init);

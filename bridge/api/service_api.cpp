@@ -63,6 +63,7 @@ FrameInputs read_frame_inputs(const sideray_frame_inputs* given) {
   if (in.masks) read.masks = read_struct(in.masks, "mask inputs", sideray_mask_inputs_init);
   if (in.reflections)
     read.reflections = read_struct(in.reflections, "reflection inputs", sideray_reflection_inputs_init);
+  if (in.irradiance) read.irradiance = read_struct(in.irradiance, "irradiance inputs", sideray_irradiance_inputs_init);
   return read;
 }
 
@@ -88,6 +89,12 @@ void sideray_mask_inputs_init(sideray_mask_inputs* out, size_t size) {
 
 void sideray_reflection_inputs_init(sideray_reflection_inputs* out, size_t size) {
   sideray_reflection_inputs in{};
+  in.denoise = 1;
+  init_struct(out, size, in);
+}
+
+void sideray_irradiance_inputs_init(sideray_irradiance_inputs* out, size_t size) {
+  sideray_irradiance_inputs in{};
   in.denoise = 1;
   init_struct(out, size, in);
 }
@@ -178,6 +185,13 @@ sideray_status sideray_service_reflections(sideray_service* service, uint32_t vi
                                            sideray_reflection_outputs* outputs, sideray_error* error) {
   return guarded(error, [&] {
     return write_newest(service, view_id, outputs, "reflection outputs", &sideray::bridge::Service::reflections);
+  });
+}
+
+sideray_status sideray_service_irradiance(sideray_service* service, uint32_t view_id, sideray_irradiance_outputs* outputs,
+                                          sideray_error* error) {
+  return guarded(error, [&] {
+    return write_newest(service, view_id, outputs, "irradiance outputs", &sideray::bridge::Service::irradiance);
   });
 }
 

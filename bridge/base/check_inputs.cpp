@@ -39,7 +39,7 @@ void check_mask(const sideray_frame_source& in) {
 
 void check_frame(const FrameInputs& in) {
   if (jobs_of(in) == 0)
-    fail(SIDERAY_INVALID_ARGUMENT, "frame: it has no job; give layers, masks or reflections");
+    fail(SIDERAY_INVALID_ARGUMENT, "frame: it has no job; give layers, masks, irradiance or reflections");
   check_rectangle(in.source);
   check_mask(in.source);
   if (!(in.deadline_ms >= 0.0f) || !std::isfinite(in.deadline_ms))

@@ -32,6 +32,7 @@ struct FrameInputs {
   sideray_frame_source source{};
   std::optional<sideray_layer_inputs> layers;
   std::optional<sideray_mask_inputs> masks;
+  std::optional<sideray_irradiance_inputs> irradiance;
   std::optional<sideray_reflection_inputs> reflections;
   bool shadows = true;
   bool continues = false;
@@ -56,6 +57,7 @@ inline uint32_t jobs_of(const FrameInputs& in) {
   uint32_t jobs = 0;
   if (in.layers) jobs |= SIDERAY_JOB_LAYERS;
   if (in.masks) jobs |= SIDERAY_JOB_MASKS;
+  if (in.irradiance) jobs |= SIDERAY_JOB_IRRADIANCE;
   if (in.reflections) jobs |= SIDERAY_JOB_REFLECTIONS;
   return jobs;
 }

@@ -1,28 +1,21 @@
 #include "bridge/base/opaque_rays.h"
 
 #include <algorithm>
-#include <glm/gtc/constants.hpp>
 
 namespace sideray::bridge {
 namespace {
 
-// Where the sky sends less, what hides it is lit by the sun, and throws back more than it hides: with ambient occlusion
-// pictures are farther from light that bounces (docs/adr/0034-opaque-rays.md).
-constexpr float least_share = 0.5f;
-
-float mean(glm::vec3 v) {
-  return (v.x + v.y + v.z) / 3.0f;
+bool shines(glm::vec3 light) {
+  return light.x > 0.0f || light.y > 0.0f || light.z > 0.0f;
 }
 
-// Returns which share of the light the environment sends: its irradiance beside that of directional lights, each the mean
-// over all ways in which a surface may be turned. Lamps light a part of a scene only, and which one changes as things move.
-float environment_share(const model::Snapshot& snapshot) {
-  constexpr float facing = 0.25f;  // the mean of cosines that are positive
-  const float around = glm::pi<float>() * snapshot.environment->mean;
-  float sum = around;
-  for (const model::Light& light : snapshot.lights)
-    if (light.type == SIDERAY_LIGHT_DIRECTIONAL) sum += facing * mean(light.intensity);
-  return sum > 0.0f ? around / sum : 0.0f;
+bool has_light(const model::Snapshot& snapshot) {
+  if (snapshot.environment->mean > 0.0f) return true;
+  if (std::ranges::any_of(snapshot.lights, [](const model::Light& l) { return shines(l.intensity); })) return true;
+  return std::ranges::any_of(snapshot.instances, [&](const model::Instance& i) {
+    const float* emissive = snapshot.materials[i.material].desc.emissive;
+    return shines({emissive[0], emissive[1], emissive[2]});
+  });
 }
 
 bool has_mirror(const model::Snapshot& snapshot) {
@@ -34,10 +27,8 @@ bool has_mirror(const model::Snapshot& snapshot) {
 
 OpaqueRays opaque_rays_of(const model::Snapshot& snapshot) {
   OpaqueRays chosen{};
-  if (!(snapshot.environment->mean > 0.0f))
-    chosen.why_no_ao = "no ambient occlusion: no light comes from the surroundings";
-  else if (environment_share(snapshot) < least_share)
-    chosen.why_no_ao = "no ambient occlusion: little of the light comes from the surroundings";
+  if (!(snapshot.environment->mean > 0.0f)) chosen.why_no_ao = "no ambient occlusion: no light comes from the surroundings";
+  if (!has_light(snapshot)) chosen.why_no_bounce = "no light bounces: nothing sends any";
   if (!has_mirror(snapshot)) chosen.why_no_reflections = "no opaque surface is smooth enough to mirror what rays hit";
   return chosen;
 }

@@ -25,7 +25,7 @@ struct RenderOptions {
   bool traces_shadows() const;
   // A frame may end before all rays are traced.
   bool is_bounded() const { return picture.budget_ms > 0.0f || picture.deadline_ms > 0.0f || diagnostics.budget_pieces > 0; }
-  bool has_masks() const { return traces_shadows() || (!is_reference && picture.ao != 0); }
+  bool has_masks() const { return traces_shadows() || (!is_reference && picture.ambient != SIDERAY_AMBIENT_OFF); }
 };
 
 // Throws Failure (INVALID_ARGUMENT, UNSUPPORTED) if a struct's version is unknown. A part that the caller left out is

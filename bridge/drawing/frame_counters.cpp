@@ -16,6 +16,7 @@ void state_counters(const FrameCounters& counters, sideray_render_stats& stats) 
   stats.rays_reflection = t.rays_reflection;
   stats.rays_shadow = t.rays_shadow;
   stats.rays_ao = t.rays_ao;
+  stats.rays_bounce = t.rays_bounce;
   stats.pixels_masked = t.pixels_masked;
   stats.pixels_late = t.pixels_late;
   stats.pixels_older = t.pixels_older;
@@ -24,6 +25,8 @@ void state_counters(const FrameCounters& counters, sideray_render_stats& stats) 
   stats.answer_age = t.answer_age;
   stats.reflection_pixels_late = t.reflection_pixels_late;
   stats.reflection_pixels_older = t.reflection_pixels_older;
+  stats.irradiance_pixels_late = t.irradiance_pixels_late;
+  stats.irradiance_pixels_older = t.irradiance_pixels_older;
   stats.jobs_starved = t.jobs_starved;
   stats.layers_requested = t.layers_requested;
   stats.layers_found = t.layers_found;

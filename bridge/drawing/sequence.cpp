@@ -52,9 +52,10 @@ bool same_bytes(const T& a, const T& b) {
 bool same_plans(const FramePlan& a, const FramePlan& b) {
   return a.traces == b.traces && a.draws_mask == b.draws_mask && a.shadow_maps == b.shadow_maps &&
          a.rasters_translucency == b.rasters_translucency && a.traced == b.traced && a.mask_kind == b.mask_kind &&
-         a.casts_shadows == b.casts_shadows && a.glass_shadows == b.glass_shadows && a.reflects == b.reflects &&
+         a.casts_shadows == b.casts_shadows && a.glass_shadows == b.glass_shadows && a.reflects == b.reflects && a.bounces == b.bounces &&
          a.marks_inexact == b.marks_inexact && a.fills_rest == b.fills_rest &&
-         same_bytes(a.layers, b.layers) && same_bytes(a.masks, b.masks) && same_bytes(a.reflections, b.reflections);
+         same_bytes(a.layers, b.layers) && same_bytes(a.masks, b.masks) && same_bytes(a.reflections, b.reflections) &&
+         same_bytes(a.irradiance, b.irradiance);
 }
 
 // Returns what moves from a picture to one that is drawn alike; nothing where that may be everything.
@@ -91,7 +92,7 @@ bool Sequence::repeat(const FramePlan& plan, const PictureInputs& inputs, const 
   const model::Snapshot &before = *inputs_.snapshot, &now = *inputs.snapshot;
   if (is_restless_ || !backend_.draws_parts() || !has_parts(plan, inputs.options, now)) return false;
   const gl::RasterView view = backend_.make_view(inputs.camera, glm::vec2(0));
-  std::vector<uint8_t> changes = tiles_that_see(movers, {before, now, view, plan.width, plan.height, reach_.get()});
+  std::vector<uint8_t> changes = tiles_that_see(movers, {before, now, view, plan.width, plan.height, reach_.get(), plan.bounces});
   is_restless_ = are_too_many(changes);
   if (is_restless_) return false;
   // A view that has just come to rest begins as a whole. Otherwise the average over time goes on from what is shown.
@@ -179,7 +180,7 @@ uint32_t Sequence::seed(const FramePlan& plan, uint32_t sample) const {
 void Sequence::show(const FramePlan& plan, const rt::Counters& trace, std::vector<glm::vec4>& colors,
                     const std::vector<glm::vec4>& average) {
   if (adds()) {
-    const bool lacks = trace.pixels_late + trace.mask_pixels_late + trace.reflection_pixels_late > 0;
+    const bool lacks = trace.pixels_late + trace.mask_pixels_late + trace.reflection_pixels_late + trace.irradiance_pixels_late > 0;
     const bool whole = !lacks && (position_frames() == 0 || trace.frames_waiting < position_frames());
     colors = whole ? still_.add(colors, average) : still_.wait();
     return;

@@ -29,6 +29,7 @@ FrameInputs trace_inputs(const PictureJob& job, const FramePosition& position) {
   inputs.source = source_of(job);
   if (plan.traces) inputs.layers = plan.layers;
   if (plan.masks_occlusion()) inputs.masks = plan.masks;
+  if (plan.bounces) inputs.irradiance = plan.irradiance;
   if (plan.reflects) inputs.reflections = plan.reflections;
   inputs.shadows = plan.casts_shadows;
   inputs.continues = o.picture.continues && job.sequence.follows();

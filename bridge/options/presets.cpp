@@ -20,7 +20,7 @@ constexpr PresetValue values[] = {
     {Quality::draft, "shadows", "map"},
     {Quality::draft, "poses", "rest"},
     {Quality::draft, "reflections", "off"},
-    {Quality::draft, "ao", "off"},
+    {Quality::draft, "ambient", "off"},
     {Quality::best, "ray-traced", "all"},
     {Quality::best, "layers", "8", SIDERAY_TRANSLUCENCY_HYBRID},
     {Quality::best, "layers", "unlimited", SIDERAY_TRANSLUCENCY_RAYTRACED},

@@ -15,6 +15,7 @@ struct Removed {
 
 // In alphabetical order. docs/migrating.md has the reasons.
 constexpr Removed removed[] = {
+    {"ao", "", "write ambient ao for on, ambient off for off, or leave it out"},
     {"denoise-on", "", "leave it out: masks are filtered by the threads that trace them"},
     {"foliage", "", "write poses rest for static, poses 1 for shared, or poses all for unique"},
     {"layer-threshold", "", "leave it out: every ray of a layer is traced, unless ray-reuse shares it"},

@@ -152,8 +152,14 @@ OptionRow culling_row() {
 
 // Returns whether ambient occlusion, or reflections of opaque surfaces, are traced in such a scene.
 bool traces_ao(const OptionValues& v, const OptionScene& scene) {
-  if (v.is_reference || v.picture.ao == 0) return false;
-  return v.picture.ao != SIDERAY_AO_AUTO || scene.facts.auto_ao;
+  if (v.is_reference || v.picture.ambient == SIDERAY_AMBIENT_OFF) return false;
+  return v.picture.ambient != SIDERAY_AMBIENT_AUTO || scene.facts.auto_ao;
+}
+
+bool traces_bounces(const OptionValues& v, const OptionScene& scene) {
+  if (v.is_reference) return false;
+  if (v.picture.ambient == SIDERAY_AMBIENT_AUTO) return scene.facts.auto_bounce != 0;
+  return v.picture.ambient == SIDERAY_AMBIENT_BOUNCE;
 }
 
 bool traces_reflections(const OptionValues& v, const OptionScene& scene) {
@@ -184,32 +190,40 @@ OptionRow reflections_row() {
   return row;
 }
 
-OptionRow occlusion_row() {
-  OptionRow row = opaque_rays_row(
-      "ao", SIDERAY_AO_AUTO,
-      "ambient occlusion by rays; auto: where surroundings light most");
+const char* ambient_used(const OptionValues& v, const OptionScene& scene) {
+  if (traces_bounces(v, scene)) return "bounce";
+  return traces_ao(v, scene) && scene.facts.has_environment ? "ao" : "off";
+}
+
+OptionRow ambient_row() {
+  OptionRow row = option_choice("ambient",
+                                {{"auto", SIDERAY_AMBIENT_AUTO},
+                                 {"off", SIDERAY_AMBIENT_OFF},
+                                 {"ao", SIDERAY_AMBIENT_AO},
+                                 {"bounce", SIDERAY_AMBIENT_BOUNCE}},
+                                "auto", "light of the sky: all, what is open to it, and what surfaces throw on each other");
   row.option.cost = SIDERAY_COST_PICTURE;
   row.option.exact_value = "off";
   row.idle = [](const OptionValues& v) {
-    return v.is_reference ? "the equations of a reference have no ambient occlusion" : nullptr;
+    return v.is_reference ? "the equations of a reference hold all light there is" : nullptr;
   };
-  bind<&OptionValues::picture, &sideray_render_options::ao>(row);
+  bind<&OptionValues::picture, &sideray_render_options::ambient>(row);
   row.decided = decided_opaque;
-  row.settled = [](const OptionValues& v, const OptionScene& scene, const std::string& text) -> std::string {
-    if (!scene.facts.has_environment) return "";
-    return text == "auto" ? (traces_ao(v, scene) ? "on" : "off") : text;
+  row.settled = [](const OptionValues& v, const OptionScene& scene, const std::string&) -> std::string {
+    return ambient_used(v, scene);
   };
   row.shortcuts = [](const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
-    if (traces_ao(v, scene))
-      list.push_back({"ambient", true, "ambient occlusion, which a reference of one bounce has not; instead none",
-                      {{"ao", "off"}}});
+    if (traces_bounces(v, scene))
+      list.push_back({"ambient", true, "light that bounces, which a reference of one bounce has not; instead none", {{"ambient", "off"}}});
+    else if (traces_ao(v, scene))
+      list.push_back({"ambient", true, "ambient occlusion, which a reference of one bounce has not; instead none", {{"ambient", "off"}}});
   };
   return row;
 }
 
 void add_noise(const OptionValues& v, const OptionScene& scene, std::vector<Shortcut>& list) {
   const bool has_layers = v.is_hybrid() && v.translucency.layers > 0 && scene.facts.layered_objects > 0;
-  const bool has_masks = v.traces_shadows() || traces_ao(v, scene);
+  const bool has_masks = v.traces_shadows() || traces_ao(v, scene) || traces_bounces(v, scene);
   if (!has_masks && !traces_reflections(v, scene) && !has_layers && !v.is_raytraced())
     list.push_back({"denoise", false, "nothing is random: no rays"});
   else if (v.picture.denoise)
@@ -241,7 +255,7 @@ OptionRow denoise_row() {
 
 std::vector<OptionRow> shadow_rows() {
   return under_title("Light and what rays hit", {shadows_row(), inexact_row(), bias_row(), target_row(), poses_row(),
-                                                 culling_row(), reflections_row(), occlusion_row(), denoise_row()});
+                                                 culling_row(), reflections_row(), ambient_row(), denoise_row()});
 }
 
 }  // namespace sideray::bridge

@@ -13,7 +13,7 @@ namespace {
 using Tiles = std::vector<uint8_t>;
 
 // The filters of masks read, by way of other pixels, up to two tiles away; those of layers one.
-constexpr uint32_t masks_read = 2, layers_read = 1;
+constexpr uint32_t masks_read = 2, layers_read = 1, bounces_read = 2;
 constexpr double edge = 2.0;  // margin in pixels, for positions within the pixel and for rounding
 
 // Sets the tiles in which a box may be seen.
@@ -151,7 +151,7 @@ std::vector<uint8_t> tiles_that_see(std::span<const rt::Mover> movers, const Cha
   }
   if (lights_change) add_translucent(v, v.before, shown), add_translucent(v, v.now, shown);
   join(rt::grown(by_masks, columns, masks_read), shown);
-  join(rt::grown(by_layers, columns, layers_read), shown);
+  join(rt::grown(by_layers, columns, v.bounces ? bounces_read : layers_read), shown);
   for (size_t tile = 0; tile < none.size(); ++tile)
     shown[tile] = shown[tile] ? tile_changed : over[tile] ? tile_drawn_over : tile_unchanged;
   return shown;

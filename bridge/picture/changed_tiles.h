@@ -19,6 +19,7 @@ struct ChangedView {
   const gl::RasterView& view;
   uint32_t width, height;
   const rt::TileReach* reach;  // of the tiles' rays; null: they may go anywhere
+  bool bounces;                // paths of light that bounces are among them
 };
 
 // What a tile shows of movers: nothing, to the bit; sprites that are drawn over what is the same as before; or anything.

@@ -137,15 +137,19 @@ float least_light_of(const model::Snapshot& snapshot, const RenderOptions& o) {
 
 // Ambient occlusion and reflection rays of opaque pixels.
 void plan_opaque_rays(const model::Snapshot& snapshot, const RenderOptions& options, FramePlan& plan) {
-  const bool chooses_ao = options.picture.ao == SIDERAY_AO_AUTO;
+  const int32_t ambient = options.picture.ambient;
   const bool chooses_reflections = options.picture.reflections == SIDERAY_REFLECTIONS_AUTO;
   OpaqueRays choice{};
-  if (chooses_ao || chooses_reflections) choice = opaque_rays_of(snapshot);
-  if (chooses_ao) plan.why_no_ao = choice.why_no_ao;
+  if (ambient == SIDERAY_AMBIENT_AUTO || ambient == SIDERAY_AMBIENT_BOUNCE || chooses_reflections) choice = opaque_rays_of(snapshot);
+  if (ambient == SIDERAY_AMBIENT_AUTO) plan.why_no_bounce = choice.why_no_bounce;
+  plan.bounces = ambient == SIDERAY_AMBIENT_BOUNCE || (ambient == SIDERAY_AMBIENT_AUTO && !plan.why_no_bounce);
+  if (ambient == SIDERAY_AMBIENT_AUTO || plan.bounces) plan.why_no_ao = choice.why_no_ao;
   if (chooses_reflections) plan.why_no_reflections = choice.why_no_reflections;
-  plan.masks.ao_rays = options.picture.ao != 0 && !plan.why_no_ao ? ao_rays_a_pixel : 0;
+  plan.masks.ao_rays = ambient != SIDERAY_AMBIENT_OFF && !plan.why_no_ao ? ao_rays_a_pixel : 0;
   plan.masks.ao_by_light = 1;
   plan.masks.unhidden_sky = plan.masks.ao_rays != 0 && rt::veils_sky(snapshot);
+  plan.irradiance = sideray_irradiance_inputs_defaults();
+  plan.irradiance.denoise = options.picture.denoise;
   plan.reflects = options.picture.reflections != 0 && !plan.why_no_reflections;
   plan.reflections = sideray_reflection_inputs_defaults();
   plan.reflections.max_roughness = model::most_mirrored_roughness;
@@ -194,7 +198,8 @@ void plan_sequence(const RenderOptions& o, FramePlan& plan) {
 RenderOptions needed_without_color(RenderOptions o) {
   if (!o.shows(SIDERAY_AOV_LAYERS | SIDERAY_AOV_MASK)) o.translucency.method = SIDERAY_TRANSLUCENCY_OFF;
   if (!o.shows(SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE | SIDERAY_AOV_INEXACT)) o.shadows.method = SIDERAY_SHADOWS_OFF;
-  o.picture.ao = o.picture.reflections = o.picture.taa = 0;
+  o.picture.ambient = SIDERAY_AMBIENT_OFF;
+  o.picture.reflections = o.picture.taa = 0;
   return o;
 }
 

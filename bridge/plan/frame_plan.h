@@ -33,6 +33,7 @@ struct FramePlan {
   bool casts_shadows;    // lights are hidden from what they do not reach
   bool glass_shadows;    // and what is translucent tints them: where none of it is drawn, none throws a shadow
   uint32_t width, height, samples, seed;
+  bool bounces;   // light of opaque surfaces is traced on to others
   bool reflects;  // of opaque surfaces, by rays
   // The renderer asks the service for these, as any host does, and adds the names of textures. The rasterizer obeys
   // `refraction` also where nothing is traced.
@@ -40,8 +41,9 @@ struct FramePlan {
   // Describes the cache that is traced only to be shown, where rays composite all surfaces; max_layers 0: none is.
   sideray_layer_inputs shown_layers;
   sideray_mask_inputs masks;              // with masks_occlusion()
+  sideray_irradiance_inputs irradiance;   // with `bounces`
   sideray_reflection_inputs reflections;  // with `reflects`
-  const char *why_not_whole, *why_no_reuse, *why_no_ao, *why_no_reflections;
+  const char *why_not_whole, *why_no_reuse, *why_no_ao, *why_no_bounce, *why_no_reflections;
   rt::FoliageOptions foliage;
   bool averages;       // with the pictures before: temporal anti-aliasing
   bool motion;         // how what is seen moved is needed
@@ -55,7 +57,7 @@ struct FramePlan {
     return static_cast<uint32_t>(std::popcount(masks.shadow_lights)) + (masks.combined_lights ? 1u : 0u);
   }
   uint32_t sky_masks() const { return (masks.ao_rays != 0 ? 1u : 0u) + (masks.unhidden_sky ? 1u : 0u); }
-  bool lights_by_rays() const { return masks_occlusion() || reflects; }  // the opaque picture waits for them
+  bool lights_by_rays() const { return masks_occlusion() || bounces || reflects; }  // the opaque picture waits for them
   bool draws_by_rays() const { return drawing == Drawing::rays; }
   bool uses_rays() const { return draws_by_rays() || traces || lights_by_rays(); }
   bool fills_cache() const { return traces && layers.mode == SIDERAY_CACHE; }

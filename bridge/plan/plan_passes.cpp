@@ -166,9 +166,11 @@ PlannedPass trace_pass(const Facts& f) {
         "three of four pixels reuse the rays of their neighbours, and trace where these donors differ by more than {}",
         f.plan.layers.ray_reuse));
   if (f.plan.why_no_reuse) runs.push_back(f.plan.why_no_reuse);
+  if (f.plan.bounces) runs.push_back("light that surfaces throw on each other, from one pixel of four");
   if (f.plan.reflects) runs.push_back("what smooth opaque surfaces mirror");
   const bool has_work = !runs.empty();
   if (!has_work) runs.push_back(why_not_traced(f));
+  if (f.plan.why_no_bounce) runs.push_back(f.plan.why_no_bounce);
   if (f.plan.why_no_reflections) runs.push_back(f.plan.why_no_reflections);
   return {SIDERAY_STAGE_TRACE, has_work, joined(runs)};
 }
@@ -192,6 +194,7 @@ PlannedPass denoise_pass(const Facts& f) {
   if (!runs) return {SIDERAY_STAGE_DENOISE, false, "denoising is off"};
   std::vector<std::string> what;
   if (f.plan.masks_occlusion()) what.push_back("masks of lights with a size, of the sky, and of random tests");
+  if (f.plan.bounces) what.push_back("light that bounces");
   if (layers || f.plan.reflects) what.push_back("what rough surfaces reflect");
   return {SIDERAY_STAGE_DENOISE, true, joined(what)};
 }

@@ -9,6 +9,7 @@
 #include "gl/scene/raster_scene.h"
 #include "gl/scene/shadow_plan.h"
 #include "gl/scene/tint_maps.h"
+#include "rt/irradiance/irradiance_request.h"
 #include "rt/masks/mask_filters.h"
 
 namespace sideray::bridge {
@@ -133,6 +134,7 @@ void add_results(const FramePlan& plan, Textures& textures) {
   // A light has them after its rays have passed glass.
   add("shadow_tints", "R8", plan.glass_shadows ? 3 * plan.shadow_masks() : 0, 1);
   add("ambient_mask", "R8", plan.masks.ao_rays > 0 ? 1 : 0, 1);
+  add("irradiance", "RGBA16F", plan.bounces ? 1 : 0, half4.bytes);
   add("reflections", "RGBA16F", plan.reflects ? 1 : 0, half4.bytes);
 }
 
@@ -182,6 +184,13 @@ void add_masks(const model::Snapshot& snapshot, const RenderOptions& o, const Fr
   // It is noisy by nature: each pixel's ray goes to a random light.
   if (plan.masks.combined_lights) add(plan.masks.denoise);
   work.rays_ao = plan.masks.ao_rays * (pixels + (plan.masks.denoise ? measured : 0));
+}
+
+// Of one pixel of four: along a path and on from each of its surfaces, of each one ray to a light, and one to the sky.
+void add_bounces(const FramePlan& plan, sideray_plan_work& work) {
+  const uint64_t paths = uint64_t{(plan.width + 1) / 2} * ((plan.height + 1) / 2);
+  work.rays_bounce = paths * (rt::most_path_surfaces + 2);
+  if (plan.casts_shadows) work.rays_shadow = sum(work.rays_shadow, paths * rt::most_path_surfaces);
 }
 
 void add_bytes(const RenderOptions& o, const FramePlan& plan, const Textures& textures, sideray_plan_work& work) {
@@ -238,13 +247,14 @@ sideray_plan_work planned_work(const model::Snapshot& snapshot, const RenderOpti
   }
   add_layers(snapshot, plan, work);
   add_masks(snapshot, o, plan, work);
+  if (plan.bounces) add_bounces(plan, work);
   if (plan.reflects) add_shading(uint64_t{plan.width} * plan.height, false, snapshot, plan, work);
   if (plan.draws_by_rays())
     add_drawing(snapshot, plan, work);
   else
     add_bytes(o, plan, textures, work);
   // One frame a camera position; their textures are the same ones.
-  for (uint64_t* count : {&work.rays_primary, &work.rays_reflection, &work.rays_shadow, &work.rays_ao, &work.fragments,
+  for (uint64_t* count : {&work.rays_primary, &work.rays_reflection, &work.rays_shadow, &work.rays_ao, &work.rays_bounce, &work.fragments,
                           &work.bytes_readback, &work.bytes_upload})
     *count = product(*count, plan.samples);
   return work;

@@ -133,6 +133,7 @@ sideray_scene_facts scene_facts(const model::Snapshot& snapshot) {
   facts.has_environment = snapshot.environment->mean > 0.0f;
   const OpaqueRays chosen = opaque_rays_of(snapshot);
   facts.auto_ao = !chosen.why_no_ao;
+  facts.auto_bounce = !chosen.why_no_bounce;
   facts.auto_reflections = !chosen.why_no_reflections;
   return facts;
 }

@@ -130,7 +130,7 @@ void Frame::start_trace() {
 void Frame::wait_for_light() {
   if (!plan_.uses_rays()) return;
   const uint32_t jobs = timer_.staged()           ? uint32_t{SIDERAY_JOB_ALL}
-                        : plan_.lights_by_rays() ? SIDERAY_JOB_MASKS | SIDERAY_JOB_REFLECTIONS
+                        : plan_.lights_by_rays() ? SIDERAY_JOB_MASKS | SIDERAY_JOB_IRRADIANCE | SIDERAY_JOB_REFLECTIONS
                                                  : 0u;
   if (jobs != 0) service_->wait(ticket_, jobs, -1);
 }
@@ -153,6 +153,8 @@ gl::OcclusionTextures Frame::occlusion() const {
     std::copy(std::begin(masks.tint_layers), std::end(masks.tint_layers), textures.tint_layers);
     if (plan_.masks.unhidden_sky) textures.unhidden_layer = static_cast<int>(plan_.shadow_masks());
   }
+  sideray_irradiance_outputs irradiance{};
+  if (plan_.bounces && service_->irradiance(0, irradiance)) textures.bounced = irradiance.irradiance_texture;
   sideray_reflection_outputs reflections{};
   if (plan_.reflects && service_->reflections(0, reflections))
     textures.mirrored = reflections.reflection_texture;

@@ -52,6 +52,7 @@ class RayBackend::Frame {
       if (plan_.motion && inputs_.continues) textures[1] = std::as_bytes(std::span(b_.motion_));
       trace(jobs_.masks, textures);
     }
+    if (plan_.bounces) trace(jobs_.irradiance, Textures());
     if (plan_.reflects) trace(jobs_.reflections, Textures{std::as_bytes(std::span(b_.pixels_.normals))});
     if (!plan_.without_color) color();
     timer_.add(counters_.trace);
@@ -88,11 +89,10 @@ class RayBackend::Frame {
     rt::WorkTime work = time_of(job, inputs_, watch_.start());
     // Nothing else shows glass: its layers are whole.
     const bool is_bounded = &job != &jobs_.layers;
-    const size_t index = &job == &jobs_.masks ? 0 : 1;
+    const size_t index = &job == &jobs_.masks ? 0 : &job == &jobs_.irradiance ? 1 : 2;
     FrameBudget::Turn turn{};
     if (inputs_.budget_ms > 0.0f && is_bounded) {
-      const bool reflects_later = index == 0 && plan_.reflects;
-      turn = jobs_.budget.start(0, index, {false, reflects_later, false}, end_);
+      turn = jobs_.budget.start(0, index, {false, index < 1 && plan_.bounces, index < 2 && plan_.reflects, false}, end_);
       work = {.deadline = turn.stop, .least_pieces = 1, .ends_in_time = true};
     }
     if (inputs_.budget_pieces > 0 && is_bounded) work.pieces = &pieces;
@@ -120,6 +120,7 @@ class RayBackend::Frame {
     request.combined_lights = plan_.masks.combined_lights != 0;
     request.sky = plan_.masks.ao_rays != 0;
     request.unhidden_sky = plan_.masks.unhidden_sky != 0;
+    if (plan_.bounces) request.bounced = &jobs_.irradiance.image();
     if (plan_.reflects) request.mirrored = &jobs_.reflections.image();
     request.shadows = plan_.casts_shadows;
     counters_.trace += tracer_.light_opaque(request, b_.picture_);

@@ -11,6 +11,7 @@
 #include "bridge/drawing/picture_job.h"
 #include "bridge/jobs/layers/layer_job.h"
 #include "bridge/jobs/masks/mask_job.h"
+#include "bridge/jobs/irradiance/irradiance_job.h"
 #include "bridge/jobs/reflections/reflection_job.h"
 #include "bridge/service/frame_budget.h"
 #include "rt/drawing/opaque_pixels.h"
@@ -64,6 +65,7 @@ class RayBackend final : public Backend {
   // Holds the jobs with their history of a scene.
   struct Jobs {
     MaskJob masks;
+    IrradianceJob irradiance;
     ReflectionJob reflections;
     LayerJob layers, shown_layers;
     FrameBudget budget;

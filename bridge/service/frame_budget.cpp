@@ -24,7 +24,8 @@ void follow(double& known, double seen) {
 // Returns which part of its pixels the job has traced in this frame.
 double share_traced(const rt::Counters& c) {
   const auto left = static_cast<double>(c.pixels_late + c.pixels_older + c.mask_pixels_late + c.mask_pixels_older +
-                                        c.reflection_pixels_late + c.reflection_pixels_older);
+                                        c.reflection_pixels_late + c.reflection_pixels_older +
+                                        c.irradiance_pixels_late + c.irradiance_pixels_older);
   const auto all = static_cast<double>(c.pixels_masked > 0 ? c.pixels_masked : c.pixels_total);
   return all > 0.0 ? std::clamp(1.0 - left / all, 0.0, 1.0) : 1.0;
 }

@@ -226,6 +226,13 @@ bool Service::reflections(uint32_t view_id, sideray_reflection_outputs& outputs)
   return true;
 }
 
+bool Service::irradiance(uint32_t view_id, sideray_irradiance_outputs& outputs) const {
+  check_view_id(view_id);
+  if (!views_[view_id] || views_[view_id]->irradiance.outputs().ticket == 0) return false;
+  outputs = views_[view_id]->irradiance.outputs();
+  return true;
+}
+
 std::optional<glm::dmat4x3> Service::placement(uint32_t view_id, uint32_t job, sideray_instance instance) const {
   check_view_id(view_id);
   const auto now = tracer_->committed();

@@ -45,6 +45,7 @@ class Service {
   // The newest finished outputs of a view. False before the first.
   bool layers(uint32_t view_id, sideray_layer_outputs& outputs) const;
   bool masks(uint32_t view_id, sideray_mask_outputs& outputs) const;
+  bool irradiance(uint32_t view_id, sideray_irradiance_outputs& outputs) const;
   bool reflections(uint32_t view_id, sideray_reflection_outputs& outputs) const;
   // World from object, of the newest finished outputs of a job; none before the first, or where the instance is newer.
   std::optional<glm::dmat4x3> placement(uint32_t view_id, uint32_t job, sideray_instance instance) const;

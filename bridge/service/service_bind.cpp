@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "bridge/base/check_inputs.h"
+#include "bridge/jobs/irradiance/irradiance_binding.h"
 #include "bridge/jobs/layers/layer_binding.h"
 #include "bridge/jobs/masks/mask_binding.h"
 #include "bridge/service/service.h"
@@ -35,6 +36,7 @@ void Service::bind(uint32_t view_id, uint32_t program, uint32_t first_unit, glm:
   require_unit(reads_tints(gl_, program), tint_unit, "the masks' tints");
   require_unit(reads_mask_depth(gl_, program), mask_depth_unit, "the masks' depth");
   require_unit(reads_mask_answers(gl_, program), mask_answer_unit, "which masks are answered");
+  require_unit(reads_irradiance(gl_, program), irradiance_unit, "the irradiance");
   const ServiceView& view = view_of(view_id);
   const gl::ProgramGuard program_in_use(gl_, view.policy);
   const gl::TextureGuard active_unit(gl_, first_unit, 0, view.policy);
@@ -42,6 +44,7 @@ void Service::bind(uint32_t view_id, uint32_t program, uint32_t first_unit, glm:
   errors.check("bind");  // before anything of another program is changed
   bind_layers(gl_, program, first_unit, view.layers, {space_origin, subpixel_});
   bind_masks(gl_, program, first_unit, view.masks, space_origin);
+  bind_irradiance(gl_, program, first_unit, view.irradiance);
 }
 
 }  // namespace sideray::bridge

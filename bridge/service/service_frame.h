@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "bridge/base/frame_inputs.h"
+#include "bridge/jobs/irradiance/irradiance_job.h"
 #include "bridge/jobs/job.h"
 #include "bridge/jobs/layers/layer_job.h"
 #include "bridge/jobs/masks/mask_job.h"
@@ -23,7 +24,7 @@ namespace sideray::bridge {
 
 struct ServiceView;
 
-inline constexpr size_t job_count = 3;
+inline constexpr size_t job_count = 4;
 
 // A job of one frame on its way.
 struct JobRun {
@@ -72,9 +73,10 @@ struct ServiceView {
   std::array<ServiceFrame, 3> frames;
   gl::StatePolicy policy = gl::StatePolicy::restore;  // of the last frame submitted
   MaskJob masks;
+  IrradianceJob irradiance;
   LayerJob layers;
   ReflectionJob reflections;
-  const std::array<Job*, job_count> jobs{&masks, &reflections, &layers};  // in the order in which they are traced
+  const std::array<Job*, job_count> jobs{&masks, &irradiance, &reflections, &layers};  // in the order in which they are traced
   std::array<std::shared_ptr<const model::Snapshot>, job_count> shown;  // the scene of each job's newest outputs
   std::array<bool, job_count> broken{};  // the next frame that is traced by the job follows none
 

@@ -174,7 +174,7 @@ RenderOptions resolve_row(const ChartOptions& options, const lab::Configuration&
   // A reference of one bounce has no ambient occlusion, and opaque surfaces reflect the surroundings alone in it: what is
   // chosen to come nearer to light that bounces would count as an error.
   const bool bounces = options.given.contains("bounces") && options.given.at("bounces") != "1";
-  for (const char* option : {"ao", "reflections"})
+  for (const char* option : {"ambient", "reflections"})
     if (!bounces && (!given.contains(option) || given.at(option) == "auto")) given[option] = "off";
   // Given for the whole chart they are the reference's, or of other rows: one has a use for them only where it reads
   // them itself.
@@ -204,7 +204,7 @@ RenderOptions resolve_reference(const ChartOptions& options, const std::string& 
 
 RenderOptions resolve_motion(const ChartOptions& options, const std::string& image) {
   Given given = chosen(options, [&](const std::string& option) { return is_common(options, option); });
-  for (const char* name : {"translucency", "shadows", "ao", "reflections", "taa", "denoise"}) given[name] = "off";
+  for (const char* name : {"translucency", "shadows", "ambient", "reflections", "taa", "denoise"}) given[name] = "off";
   given["aov"] = "Z,id.surface,motion";
   return resolved(options, std::move(given), image);
 }

@@ -155,7 +155,7 @@ void set_bounds(const Given& given, RenderOptions& result) {
   if (given.contains("budget"))
     wrong_usage("--budget: contradicts --{}, which times whole frames; leave one of them out", bound);
   // The errors that bounds are about are those to the light of one bounce, which has neither.
-  for (const char* name : {"ao", "reflections"})
+  for (const char* name : {"ambient", "reflections"})
     if (result.named[name] == "auto") result.named.set(name, "off");
 }
 

@@ -85,7 +85,7 @@ lab::FrameCost cost_of(const RenderRun& run) {
   lab::FrameCost cost;
   cost.pixels = s.pixels_total;
   cost.work = {s.rays_primary,   s.rays_reflection, s.rays_shadow, s.rays_ao, s.layers_matched + s.layers_missed,
-               s.bytes_readback, s.bytes_upload,    s.bytes_cache};
+               s.bytes_readback, s.bytes_upload,    s.bytes_cache,   s.rays_bounce};
   for (const sideray_stage_time& time : run.stages) {
     // What happens once is no part of a frame.
     const bool once = time.stage == SIDERAY_STAGE_LOAD || time.stage == SIDERAY_STAGE_BUILD;

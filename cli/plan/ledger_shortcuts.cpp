@@ -29,10 +29,10 @@ void add_of_options(const RenderOptions& base, const sideray_scene_facts& facts,
 void add_depth(const RenderOptions& base, const sideray_scene_facts& facts, Shortcuts& result) {
   const sideray_render_options& o = base.named.render();
   const std::string shadows = sideray_options_get(base.named.get(), "shadows");
-  const bool ao = o.ao == SIDERAY_AO_AUTO ? facts.auto_ao != 0 : o.ao != 0;
+  const bool ambient = o.ambient == SIDERAY_AMBIENT_AUTO ? facts.auto_ao + facts.auto_bounce != 0 : o.ambient != SIDERAY_AMBIENT_OFF;
   const bool reflections = o.reflections == SIDERAY_REFLECTIONS_AUTO ? facts.auto_reflections != 0 : o.reflections != 0;
   const bool by_rays =
-      shadows == "exact" || shadows == "inexact" || ao || reflections;
+      shadows == "exact" || shadows == "inexact" || ambient || reflections;
   if (by_rays)
     result.taken.push_back(
         {"depth", "rays of opaque pixels start where the depth buffer has them; instead where a ray hits them",

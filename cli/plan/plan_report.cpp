@@ -34,7 +34,7 @@ uint64_t sum(std::initializer_list<uint64_t> terms) {
 }
 
 uint64_t rays_of(const sideray_plan_work& w) {
-  return sum({w.rays_primary, w.rays_reflection, w.rays_shadow, w.rays_ao});
+  return sum({w.rays_primary, w.rays_reflection, w.rays_shadow, w.rays_ao, w.rays_bounce});
 }
 
 uint64_t bytes_of(const sideray_plan_work& w) {
@@ -95,8 +95,9 @@ void print_passes(const sideray_plan& plan, bool running) {
 }
 
 void print_work(const sideray_plan_work& w) {
-  fmt::print("  rays      {} (primary {}, reflection {}, shadow {}, ao {})\n", at_most(rays_of(w)),
-             at_most(w.rays_primary), at_most(w.rays_reflection), at_most(w.rays_shadow), at_most(w.rays_ao));
+  fmt::print("  rays      {} (primary {}, reflection {}, shadow {}, ao {}, bounce {})\n", at_most(rays_of(w)),
+             at_most(w.rays_primary), at_most(w.rays_reflection), at_most(w.rays_shadow), at_most(w.rays_ao),
+             at_most(w.rays_bounce));
   fmt::print("  fragments {}\n", at_most(w.fragments));
   fmt::print("  bytes     {} (readback {}, upload {}, cache {})\n", at_most(bytes_of(w)), at_most(w.bytes_readback),
              at_most(w.bytes_upload), at_most(w.bytes_cache));

@@ -64,7 +64,8 @@ lab::SweepScene sweep_scene(Session& session, RenderOptions options) {
   scene.has_cut_outs = facts.inexact_objects[SIDERAY_TARGET_MODEL] > 0;
   scene.has_gloss = facts.glossy_objects > 0;
   scene.has_environment = facts.has_environment != 0;
-  scene.auto_ao = facts.auto_ao != 0 && options.named["ao"] == "auto";
+  scene.auto_ao = facts.auto_ao != 0 && options.named["ambient"] == "auto";
+  scene.auto_bounce = facts.auto_bounce != 0 && options.named["ambient"] == "auto";
   scene.auto_reflections = facts.auto_reflections != 0 && options.named["reflections"] == "auto";
   scene.smallest_angle_deg = smallest_angle_deg(session.content(), session.camera());
   const sideray_device_info device = session.device(options);

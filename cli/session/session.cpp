@@ -226,6 +226,7 @@ Session::Planned Session::plan(const RenderOptions& options) {
   planned.run.layers = sideray_plan_layers(plan);
   planned.run.ray_reuse = sideray_plan_ray_reuse(plan);
   planned.run.ao = sideray_plan_ao(plan) != 0;
+  planned.run.bounce = sideray_plan_bounce(plan) != 0;
   planned.run.reflections = sideray_plan_reflections(plan) != 0;
   return planned;
 }

@@ -131,7 +131,8 @@ Json stats_json(const RenderOptions& options, const RenderRun& run) {
                   {"reflection", s.rays_reflection},
                   {"shadow", s.rays_shadow},
                   {"ao", s.rays_ao},
-                  {"total", s.rays_primary + s.rays_reflection + s.rays_shadow + s.rays_ao}};
+                  {"bounce", s.rays_bounce},
+                  {"total", s.rays_primary + s.rays_reflection + s.rays_shadow + s.rays_ao + s.rays_bounce}};
   json["pixels"] = {{"total", s.pixels_total}, {"positions", s.positions}};
   if (traces) add_translucency(options, run, json);
   if (raytraced) json["dropped_particles"] = s.dropped_particles;

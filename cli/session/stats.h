@@ -17,7 +17,7 @@ struct RenderRun {
   std::optional<uint32_t> layers;            // that the plan has a use for; empty: nothing was planned
   // These are the values that the plan chose, or took from the options; empty: likewise.
   std::optional<float> ray_reuse;
-  std::optional<bool> ao, reflections;  // that are traced
+  std::optional<bool> ao, bounce, reflections;  // that are traced
 };
 
 // What does not apply is absent; no null, no NaN.

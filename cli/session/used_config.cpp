@@ -36,7 +36,7 @@ Json found(const RenderOptions& options, const RenderRun& run) {
   if (run.layers && options.is_hybrid()) json["layers"] = *run.layers;
   if (run.ray_reuse && options.named["ray-reuse"] == "auto")
     json["ray-reuse"] = value_of(fmt::format("{}", static_cast<double>(*run.ray_reuse)));
-  if (run.ao && options.named["ao"] == "auto") json["ao"] = *run.ao ? "on" : "off";
+  if (run.bounce && options.named["ambient"] == "auto") json["ambient"] = *run.bounce ? "bounce" : *run.ao ? "ao" : "off";
   if (run.reflections && options.named["reflections"] == "auto") json["reflections"] = *run.reflections ? "on" : "off";
   return json;
 }

@@ -38,7 +38,7 @@ ways = {
 }
 points = {}
 for name, options in ways.items():
-    picture = renderer.render(scene, size, repeat=3, ao=False, reflections=False, **options)
+    picture = renderer.render(scene, size, repeat=3, ambient=False, reflections=False, **options)
     milliseconds = picture.times["total_frame"][1]
     points[name] = milliseconds, sideray.compare(picture, reference)["flip"]
     print(f"{name:24}{points[name][0]:9.2f} ms   FLIP {points[name][1]:.4f}")

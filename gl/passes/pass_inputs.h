@@ -50,6 +50,7 @@ struct OcclusionTextures {
   uint32_t answers = 0;        // 2D, 255 times: 1, the lights' masks are known, + 2, the sky's is; 0: all are known everywhere
   uint32_t open = 0;           // 2D, ambient occlusion as the visible share of the sky; 0 = none: all of it is visible
   int unhidden_layer = -1;     // of `shadow`: the share that nothing opaque hides; -1: the same as `open`
+  uint32_t bounced = 0;        // 2D, light of other surfaces over pi, A 0: not known; or 0
   uint32_t mirrored = 0;       // 2D, radiance from the mirror direction, A its share beside the environment's; or 0
 };
 

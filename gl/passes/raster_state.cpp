@@ -206,7 +206,7 @@ void RasterState::draw_light(bool shadows, const OcclusionTextures& masks) {
   begin_pass({});
   targets.bind_resolve();
   const bool tint_maps = lights.has_tint_maps(shadows);
-  const Program& program = programs.light(scene.opaque_lobes(), {.masks = masks.shadow != 0 || masks.open != 0 || masks.mirrored != 0,
+  const Program& program = programs.light(scene.opaque_lobes(), {.masks = masks.shadow != 0 || masks.open != 0 || masks.mirrored != 0 || masks.bounced != 0,
                                                                  .answers = masks.answers != 0,
                                                                  .tints = masks.tint != 0,
                                                                  .tint_maps = tint_maps});
@@ -236,6 +236,8 @@ void RasterState::draw_light(bool shadows, const OcclusionTextures& masks) {
   scene.textures().bind_plain(unit::layer_cache, GL_TEXTURE_2D_ARRAY, masks.shadow);
   scene.textures().bind_plain(unit::layer_cache + 1, GL_TEXTURE_2D, masks.open);
   scene.textures().bind_plain(unit::layer_cache + 2, GL_TEXTURE_2D, masks.mirrored);
+  scene.textures().bind_plain(unit::material + 11, GL_TEXTURE_2D, masks.bounced);
+  program.set("bounced_on", static_cast<int>(masks.bounced != 0));
   program.set("mirrored_on", static_cast<int>(masks.mirrored != 0));
   program.set("shadow_mask_lights", masks.shadow ? masks.shadow_lights : 0u);
   program.set("combined_mask_layer", masks.shadow && masks.combined_lights ? std::popcount(masks.shadow_lights) : -1);

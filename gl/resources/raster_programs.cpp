@@ -70,6 +70,7 @@ constexpr SamplerUnit sampler_units[] = {
     {"mask_answers", unit::material + 10},
     {"open_mask", unit::layer_cache + 1},
     {"mirrored", unit::layer_cache + 2},
+    {"bounced", unit::material + 11},
     {"sideray_radiance", unit::layer_cache},
     {"sideray_distance", unit::layer_cache + 1},
     {"sideray_surface_id", unit::layer_cache + 2},

@@ -44,6 +44,8 @@ SIDERAY_API float sideray_plan_ray_reuse(const sideray_plan* plan);
 /* 1 where ambient occlusion, or reflections of opaque surfaces, are traced: as sideray_render_options say, or what AUTO comes
  * to. In a reference 1 where reflections are asked for. */
 SIDERAY_API int32_t sideray_plan_ao(const sideray_plan* plan);
+/* 1 where the light that surfaces throw on each other is traced. */
+SIDERAY_API int32_t sideray_plan_bounce(const sideray_plan* plan);
 SIDERAY_API int32_t sideray_plan_reflections(const sideray_plan* plan);
 
 /* A texture, or an array of `layers`, that the frame reads or writes; buffers that stand in for one count as one. The
@@ -69,6 +71,7 @@ typedef struct sideray_plan_work {
   uint64_t rays_primary, rays_reflection, rays_shadow, rays_ao;
   uint64_t fragments; /* layers_matched + layers_missed */
   uint64_t bytes_readback, bytes_upload, bytes_cache;
+  uint64_t rays_bounce;
 } sideray_plan_work;
 
 SIDERAY_API const sideray_plan_work* sideray_plan_most_work(const sideray_plan* plan);
@@ -90,7 +93,8 @@ typedef struct sideray_scene_facts {
   int32_t has_environment;   /* with light in it */
   uint64_t traceable_objects; /* translucent ones that may have layers once they are visible in them */
   uint64_t bending_objects; /* translucent ones that `refraction` is about: they bend light, or blur it */
-  int32_t auto_ao, auto_reflections; /* 1 where SIDERAY_AO_AUTO and SIDERAY_REFLECTIONS_AUTO trace them */
+  int32_t auto_ao, auto_reflections; /* 1 where SIDERAY_AMBIENT_AUTO and SIDERAY_REFLECTIONS_AUTO trace them */
+  int32_t auto_bounce; /* 1 where SIDERAY_AMBIENT_AUTO traces what surfaces throw on each other */
 } sideray_scene_facts;
 
 /* Fills as much of `facts` as its `size`, which the caller has set, says. */

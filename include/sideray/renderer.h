@@ -131,11 +131,17 @@ enum { /* additional outputs */
  * none is supported. sideray_plan_ray_reuse says which. */
 #define SIDERAY_RAY_REUSE_AUTO (-1.0f)
 
-/* Values of `ao` and `reflections` that the plan chooses by what the scene is (docs/adr/0034-opaque-rays.md): on where a
- * picture comes nearer to light that bounces by them, off where it does not. sideray_plan_ao and sideray_plan_reflections say
- * which. */
-#define SIDERAY_AO_AUTO (-1)
+/* `reflections` as the plan chooses by what the scene is (docs/adr/0034-opaque-rays.md): on where a picture comes nearer to light
+ * that bounces by them. sideray_plan_reflections says which. */
 #define SIDERAY_REFLECTIONS_AUTO (-1)
+
+/* The light of opaque surfaces that comes straight from no lamp. */
+typedef enum sideray_ambient {
+  SIDERAY_AMBIENT_AUTO = -1,  /* BOUNCE where the scene has light, else OFF; sideray_plan_ao and sideray_plan_bounce say which */
+  SIDERAY_AMBIENT_OFF = 0,    /* of the sky, with nothing in its way */
+  SIDERAY_AMBIENT_AO = 1,     /* of the sky, by a mask of what is open to it */
+  SIDERAY_AMBIENT_BOUNCE = 2  /* likewise, and what surfaces throw on each other: docs/light.md */
+} sideray_ambient;
 
 /* How translucent surfaces are drawn. */
 typedef struct sideray_translucency_options {
@@ -222,9 +228,9 @@ typedef struct sideray_render_options {
   /* NULL: off. Else everything is drawn by rays: of the shadows it only counts whether there are any, and translucency,
    * poses and `denoise` are not read. */
   const sideray_reference_options* reference;
-  /* Of opaque surfaces, by rays: 0, 1, or SIDERAY_REFLECTIONS_AUTO and SIDERAY_AO_AUTO. A reference has no `ao`, since it
-   * computes what that stands for, and takes AUTO for 0. */
-  int32_t reflections, ao;
+  /* Of opaque surfaces, by rays: 0, 1, or SIDERAY_REFLECTIONS_AUTO, which is 0 in a reference. */
+  int32_t reflections;
+  int32_t ambient; /* a sideray_ambient. A reference computes what that stands for, and takes any for OFF */
   int32_t denoise;         /* masks, and what rough surfaces reflect by rays, are filtered */
   int32_t taa;             /* with `continues`: average with earlier frames along the motion */
   /* The picture follows the last one that this renderer drew, as the next of a sequence: temporal methods may use what
@@ -308,6 +314,7 @@ typedef struct sideray_render_stats {
   /* Camera positions that the picture is the mean of: `samples`, or those that a view which stands still has added up. */
   uint64_t positions;
   uint64_t reflection_pixels_late, reflection_pixels_older, jobs_starved; /* as in sideray_frame_stats */
+  uint64_t rays_bounce, irradiance_pixels_late, irradiance_pixels_older;  /* likewise */
 } sideray_render_stats;
 
 typedef enum sideray_channel_type { SIDERAY_CHANNEL_FLOAT = 0, SIDERAY_CHANNEL_UINT = 1 } sideray_channel_type;

@@ -207,14 +207,30 @@ typedef struct sideray_reflection_inputs {
 /* No texture; filtered. */
 SIDERAY_DEFAULTS(sideray_reflection_inputs, reflection_inputs)
 
+/* The light that other surfaces throw on opaque ones, by rays (docs/light.md): of all lamps, of what shines, and of the sky by way
+ * of what it lights, bounced as often as it may be. One pixel of four is traced, and filters spread what it finds. */
+typedef struct sideray_irradiance_inputs {
+  size_t size;
+  int32_t denoise;
+} sideray_irradiance_inputs;
+
+/* Filtered. */
+SIDERAY_DEFAULTS(sideray_irradiance_inputs, irradiance_inputs)
+
 /* The jobs of a frame. Each is traced and uploaded by itself: masks can be used while layers are still traced. */
-enum { SIDERAY_JOB_LAYERS = 1u, SIDERAY_JOB_MASKS = 2u, SIDERAY_JOB_REFLECTIONS = 4u, SIDERAY_JOB_ALL = 7u };
+enum {
+  SIDERAY_JOB_LAYERS = 1u,
+  SIDERAY_JOB_MASKS = 2u,
+  SIDERAY_JOB_REFLECTIONS = 4u,
+  SIDERAY_JOB_IRRADIANCE = 8u,
+  SIDERAY_JOB_ALL = 15u
+};
 
 typedef struct sideray_frame_inputs {
   size_t size;
   sideray_view view;
   sideray_frame_source source;
-  const sideray_layer_inputs* layers;           /* NULL: none, as the next two; at least one is given */
+  const sideray_layer_inputs* layers;           /* NULL: none, as the next two and `irradiance`; at least one is given */
   const sideray_mask_inputs* masks;
   const sideray_reflection_inputs* reflections;
   int32_t shadows; /* 0 = no visibility of lights anywhere */
@@ -242,6 +258,7 @@ typedef struct sideray_frame_inputs {
    * frame; what has no turn shows history or nothing, as deadline_ms says, reflections too. What waits longest comes
    * first. 0 = none. Not with deadline_ms, which is read until 0.4. */
   float budget_ms;
+  const sideray_irradiance_inputs* irradiance; /* NULL: none */
 } sideray_frame_inputs;
 
 /* No job, shadows on, the state saved and restored; the mask is a count in stencil bits 0x3f. */
@@ -265,7 +282,7 @@ SIDERAY_API void sideray_service_abandon_context(sideray_service* service);
 
 /* Starts reading depth and stencil back and returns at once; it copies what `inputs` points at. SIDERAY_NOT_READY:
  * three frames of the view are in flight already. Frames are traced in the order of their tickets, and the jobs of one
- * in the order masks, reflections, layers. */
+ * in the order masks, irradiance, reflections, layers. */
 SIDERAY_API sideray_status sideray_service_submit(sideray_service* service, const sideray_frame_inputs* inputs,
                                                   sideray_ticket* ticket, sideray_error* error);
 /* Moves every job in flight on as far as it goes without blocking. */
@@ -331,6 +348,17 @@ typedef struct sideray_reflection_outputs {
   uint32_t reflection_texture; /* RGBA16F 2D: radiance from the mirrored direction; A 0 = not traced */
 } sideray_reflection_outputs;
 
+typedef struct sideray_irradiance_outputs {
+  size_t size;
+  sideray_ticket ticket;
+  sideray_view view;
+  int32_t x, y, width, height;
+  /* RGBA16F 2D: irradiance over pi, i.e. the radiance of a white matt surface, to be added to that of the sky times its mask. It
+   * also holds by how much the colour of the visible part of the sky differs from that of all of it, so that a channel may be
+   * negative: the sum is not. A 0 = not traced. */
+  uint32_t irradiance_texture;
+} sideray_irradiance_outputs;
+
 /* The newest finished outputs of a view; SIDERAY_NOT_READY before the first. `size` of the outputs is set by the
  * caller. */
 SIDERAY_API sideray_status sideray_service_layers(sideray_service* service, uint32_t view_id,
@@ -339,6 +367,8 @@ SIDERAY_API sideray_status sideray_service_masks(sideray_service* service, uint3
                                                  sideray_mask_outputs* outputs, sideray_error* error);
 SIDERAY_API sideray_status sideray_service_reflections(sideray_service* service, uint32_t view_id,
                                                        sideray_reflection_outputs* outputs, sideray_error* error);
+SIDERAY_API sideray_status sideray_service_irradiance(sideray_service* service, uint32_t view_id,
+                                                      sideray_irradiance_outputs* outputs, sideray_error* error);
 /* Where an instance was in the frame whose outputs of a job (one of SIDERAY_JOB_*) are the newest: the matrix for the
  * previous_world_position of sideray_translucent_moving() and sideray_shadow_moving(). As
  * sideray_instance_desc has it, to the precision of single floats about the scene's middle. SIDERAY_NOT_READY: there are no such
@@ -348,7 +378,7 @@ SIDERAY_API sideray_status sideray_service_placement(sideray_service* service, u
                                                      sideray_error* error);
 /* Binds the newest textures of a view to units first_unit .. first_unit + 2 and, for a program that reads them, the
  * shadow masks to first_unit + 3, the ambient occlusion mask to first_unit + 4, whole pixels to first_unit + 5 and
- * + 6, the masks' tints to first_unit + 7, their depth to first_unit + 8 and which of them are answered to first_unit + 9, and sets the uniforms of the snippet in `program`, for the newest outputs, or for "no answer" where there are
+ * + 6, the masks' tints to first_unit + 7, their depth to first_unit + 8 and which of them are answered to first_unit + 9, the irradiance to first_unit + 10, and sets the uniforms of the snippet in `program`, for the newest outputs, or for "no answer" where there are
  * none. It leaves these units changed, and for the rest follows the state_policy of the view's last submitted frame. */
 SIDERAY_API sideray_status sideray_service_bind(sideray_service* service, uint32_t view_id, uint32_t program,
                                                 uint32_t first_unit, sideray_error* error);
@@ -378,6 +408,9 @@ typedef struct sideray_frame_stats {
   uint64_t jobs_starved; /* jobs for whose rays the budget left no time: one piece of each was traced */
   /* Age of the least recently traced piece of the picture, in frames; 0 = all was traced in this one. */
   uint64_t frames_waiting;
+  uint64_t rays_bounce; /* of irradiance: along paths, and toward the sky */
+  /* Pixels whose irradiance is not of this frame: those without any, and those that show an older one. */
+  uint64_t irradiance_pixels_late, irradiance_pixels_older;
 } sideray_frame_stats;
 
 SIDERAY_API sideray_status sideray_service_stats(sideray_service* service, sideray_ticket ticket,

@@ -232,6 +232,7 @@ struct FrameInputs {
   std::optional<sideray_layer_inputs> layers = sideray_layer_inputs_defaults();
   std::optional<sideray_mask_inputs> masks;
   std::optional<sideray_reflection_inputs> reflections;
+  std::optional<sideray_irradiance_inputs> irradiance;
 
   // The struct of the C interface; it points into this one.
   sideray_frame_inputs c() const {
@@ -239,6 +240,7 @@ struct FrameInputs {
     inputs.layers = layers ? &*layers : nullptr;
     inputs.masks = masks ? &*masks : nullptr;
     inputs.reflections = reflections ? &*reflections : nullptr;
+    inputs.irradiance = irradiance ? &*irradiance : nullptr;
     return inputs;
   }
 };
@@ -292,6 +294,9 @@ class Service {
   }
   std::optional<sideray_reflection_outputs> reflections(uint32_t view_id = 0) const {
     return newest<sideray_reflection_outputs>(view_id, sideray_service_reflections);
+  }
+  std::optional<sideray_irradiance_outputs> irradiance(uint32_t view_id = 0) const {
+    return newest<sideray_irradiance_outputs>(view_id, sideray_service_irradiance);
   }
   // As sideray_instance_desc::world_from_object; empty before such outputs, or where the instance is newer.
   std::optional<std::array<double, 12>> placement(uint32_t job, sideray_instance instance, uint32_t view_id = 0) const {

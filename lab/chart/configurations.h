@@ -32,7 +32,7 @@ struct SweepScene {
   bool has_cut_outs = false;   // opaque surfaces that `--diagnose inexact-target=model` takes
   bool has_gloss = false;      // opaque surfaces that `--reflections on` mirrors
   bool has_environment = false;
-  bool auto_ao = false, auto_reflections = false;  // `auto` traces them, and points that say nothing leave it to it
+  bool auto_ao = false, auto_bounce = false, auto_reflections = false;  // `auto` traces them, and points that say nothing leave it to it
   double smallest_angle_deg = 180;  // under which an object appears, as --cull-angle counts it in this view
   bool by_rays = false;             // nothing is rasterized
   bool has_fragment_lists = false;  // what `--oit abuffer` needs

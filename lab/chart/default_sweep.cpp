@@ -245,13 +245,13 @@ void add_indirect(const SweepScene& scene, List& list) {
   else
     list.left_out.push_back("shadows: no --reflections on: no opaque surface is smooth enough");
   if (!scene.has_environment) {
-    list.left_out.push_back("shadows: no --ao on: it darkens the light of the environment, and there is none");
+    list.left_out.push_back("shadows: no --ambient ao: it darkens the light of the environment, and there is none");
     return;
   }
   for (const char* kind : shadows)
-    for (const char* traced : {"on", "off"}) list.add_aside(choice, {{"shadows", kind}, {"ao", traced}});
-  list.add_aside(fine, {{"shadows", shadows.back()}, {"ao", "on"}, {"denoise", "off"}});
-  if (scene.has_gloss) list.add_aside(fine, {{"shadows", shadows.back()}, {"ao", "on"}, {"reflections", "on"}});
+    for (const char* traced : {"bounce", "ao", "off"}) list.add_aside(choice, {{"shadows", kind}, {"ambient", traced}});
+  list.add_aside(fine, {{"shadows", shadows.back()}, {"ambient", "ao"}, {"denoise", "off"}});
+  if (scene.has_gloss) list.add_aside(fine, {{"shadows", shadows.back()}, {"ambient", "ao"}, {"reflections", "on"}});
 }
 
 void add_shadows(const SweepScene& scene, List& list) {
@@ -291,6 +291,7 @@ sideray_scene_facts facts_of(const SweepScene& scene) {
   facts.glossy_objects = scene.has_gloss;
   facts.has_environment = scene.has_environment;
   facts.auto_ao = scene.auto_ao;
+  facts.auto_bounce = scene.auto_bounce;
   facts.auto_reflections = scene.auto_reflections;
   return facts;
 }

@@ -12,10 +12,10 @@ using Count = uint64_t sideray_plan_work::*;
 // These depend on the picture; the bytes of the cache depend on its size alone.
 constexpr Count drawn_counts[] = {&sideray_plan_work::rays_primary, &sideray_plan_work::rays_reflection,
                                   &sideray_plan_work::rays_shadow,  &sideray_plan_work::rays_ao,
-                                  &sideray_plan_work::fragments,    &sideray_plan_work::bytes_readback,
-                                  &sideray_plan_work::bytes_upload};
+                                  &sideray_plan_work::rays_bounce,  &sideray_plan_work::fragments,
+                                  &sideray_plan_work::bytes_readback, &sideray_plan_work::bytes_upload};
 constexpr const char* count_names[] = {"rays_primary", "rays_reflection", "rays_shadow", "rays_ao",
-                                       "fragments",    "bytes_readback",  "bytes_upload"};
+                                       "rays_bounce",  "fragments",       "bytes_readback", "bytes_upload"};
 static_assert(std::size(drawn_counts) == std::size(count_names));
 
 // Fewer pixels hold too few of small things, and their drawing time says little.

@@ -67,7 +67,8 @@ sideray_camera camera_at(const glm::dmat4& world_from_camera, double fov_deg, do
 
 RenderOptions picture_options(const StressStage& stage, sideray_shadows shadows, sideray_translucency translucency) {
   RenderOptions options;
-  options.picture.ao = options.picture.reflections = 0;
+  options.picture.ambient = SIDERAY_AMBIENT_OFF;
+  options.picture.reflections = 0;
   options.picture.width = stage.width;
   options.picture.height = stage.height;
   options.picture.repeats = 0;
@@ -83,7 +84,8 @@ RenderOptions sequence_options(const StressStage& stage) {
   options.picture.width = stage.width;
   options.picture.height = stage.height;
   options.picture.repeats = 0;
-  options.picture.ao = options.picture.reflections = 1;
+  options.picture.ambient = SIDERAY_AMBIENT_AO;
+  options.picture.reflections = 1;
   options.picture.taa = 1;
   return options;
 }

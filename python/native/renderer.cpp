@@ -55,6 +55,7 @@ py::dict stats(const PictureHandle& p) {
   SIDERAY_STAT(rays_reflection);
   SIDERAY_STAT(rays_shadow);
   SIDERAY_STAT(rays_ao);
+  SIDERAY_STAT(rays_bounce);
   SIDERAY_STAT(pixels_total);
   SIDERAY_STAT(pixels_masked);
   SIDERAY_STAT(layers_requested);

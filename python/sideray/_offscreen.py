@@ -93,10 +93,10 @@ class OffscreenRenderer:
             options.setdefault("shadows", "off")
         if mirror is not None:
             # Ambient light reaches everything in pyrender, and nothing is mirrored.
-            for light in ("ao", "reflections"):
+            for light in ("ambient", "reflections"):
                 options.setdefault(light, False)
         if wanted & (RenderFlags.DEPTH_ONLY | RenderFlags.SEG):
-            options.update(translucency="off", shadows="off", ao=False, reflections=False)
+            options.update(translucency="off", shadows="off", ambient=False, reflections=False)
         options.setdefault("tonemap", "none" if mirror is not None else "pbr-neutral")
         size = (self.viewport_width, self.viewport_height)
         self.picture = self._renderer.render(drawn, size, camera, **options)

@@ -27,7 +27,7 @@ class RenderOptions(TypedDict, total=False):
     poses: Optional[Union[int, Literal["rest", "all"]]]
     cull_angle: Optional[float]
     reflections: Optional[Union[bool, Literal["auto", "on", "off"]]]
-    ao: Optional[Union[bool, Literal["auto", "on", "off"]]]
+    ambient: Optional[Literal[False, "auto", "off", "ao", "bounce"]]
     denoise: Optional[bool]
     taa: Optional[bool]
     samples: Optional[int]

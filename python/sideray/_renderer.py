@@ -169,7 +169,7 @@ class Renderer:
         Scene.set_environment.
 
         Further options are those of the command line, with _ for -: quality="draft", translucency="raytraced", layers=4,
-        shadows="exact", reflections=True, ao=True, samples=16, reference=True, ... sideray.option_names() lists them,
+        shadows="exact", reflections=True, ambient="bounce", samples=16, reference=True, ... sideray.option_names() lists them,
         sideray.option(name) describes one, docs/cli.md defines them. True and False are on and off; None is the default,
         which quality ("draft", "balanced" or "best") chooses for many.
         """

@@ -20,6 +20,7 @@ namespace sideray::rt {
   COUNT(rays_reflection)                                                          \
   COUNT(rays_shadow)                                                              \
   COUNT(rays_ao)                                                                  \
+  COUNT(rays_bounce)                                                              \
   COUNT(pixels_total)                                                             \
   COUNT(pixels_masked)                                                            \
   COUNT(layers_requested)                                                         \
@@ -31,6 +32,8 @@ namespace sideray::rt {
   COUNT(mask_pixels_older)                                                        \
   COUNT(reflection_pixels_late)                                                   \
   COUNT(reflection_pixels_older)                                                  \
+  COUNT(irradiance_pixels_late)                                                   \
+  COUNT(irradiance_pixels_older)                                                  \
   COUNT(jobs_starved)                                                             \
   HELD(answer_age)                                                                \
   HELD(frames_waiting)                                                            \

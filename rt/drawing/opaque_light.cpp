@@ -115,7 +115,9 @@ class LightPass {
 
   void look_around(LightWorker& w) const {
     if (request_.sky) hide_sky(w);
+    if (request_.bounced) add_bounced(w);
     w.batch.reflect_environment();
+    if (request_.bounced) dim_specular(w);
     if (!request_.mirrored) return;
     const std::span<AroundBlock> around = w.batch.around();
     for (size_t i = 0; i < w.texels.size(); ++i) {
@@ -129,6 +131,31 @@ class LightPass {
     }
   }
 
+  // Adds what other surfaces throw to what is left of the sky, which then counts without what hides it.
+  void add_bounced(LightWorker& w) const {
+    const std::span<AroundBlock> around = w.batch.around();
+    for (size_t i = 0; i < w.texels.size(); ++i) {
+      const uint16_t* halfs = &request_.bounced->light[size_t{4} * w.texels[i]];
+      if (halfs[3] == 0) continue;
+      AroundBlock& a = around[i / block_size];
+      const glm::vec3 light(imath_half_to_float(halfs[0]), imath_half_to_float(halfs[1]), imath_half_to_float(halfs[2]));
+      set_vector(a.irradiance, i % block_size, glm::max(vector_at(a.irradiance, i % block_size) + light, 0.0f));
+    }
+  }
+
+  // Lets rough lobes see the same light as what is matt: the open share of the sky, and of the rest what arrives on average.
+  void dim_specular(LightWorker& w) const {
+    const std::span<AroundBlock> around = w.batch.around();
+    for (size_t i = 0; i < w.texels.size(); ++i) {
+      const uint16_t* halfs = &request_.bounced->light[size_t{4} * w.texels[i]];
+      if (halfs[3] == 0) continue;
+      AroundBlock& a = around[i / block_size];
+      const glm::vec3 light(imath_half_to_float(halfs[0]), imath_half_to_float(halfs[1]), imath_half_to_float(halfs[2]));
+      const float open = request_.sky ? mask_share(request_.masks->open[w.texels[i]]) : 1.0f;
+      set_vector(a.specular, i % block_size, glm::max(vector_at(a.specular, i % block_size) * open + light, 0.0f));
+    }
+  }
+
   void hide_sky(LightWorker& w) const {
     const OcclusionMasks& masks = *request_.masks;
     const std::span<const uint8_t> unhidden =
@@ -138,7 +165,8 @@ class LightPass {
     for (size_t i = 0; i < w.sky.size() * block_size; ++i) {
       const uint32_t texel = w.texels[std::min(i, w.texels.size() - 1)];
       w.sky[i / block_size].open[i % block_size] = mask_share(masks.open[texel]);
-      w.sky[i / block_size].unhidden[i % block_size] = mask_share(unhidden[texel]);
+      const bool is_lit = request_.bounced && request_.bounced->light[size_t{4} * texel + 3] != 0;
+      w.sky[i / block_size].unhidden[i % block_size] = is_lit ? 1.0f : mask_share(unhidden[texel]);
     }
     w.batch.hide_sky(w.sky);
   }

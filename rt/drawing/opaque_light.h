@@ -9,6 +9,7 @@
 
 #include "rt/base/counters.h"
 #include "rt/drawing/opaque_pixels.h"
+#include "rt/irradiance/irradiance_request.h"
 #include "rt/masks/mask_request.h"
 #include "rt/reflections/reflection_request.h"
 
@@ -20,6 +21,7 @@ struct OpaqueLightRequest {
   const OcclusionMasks* masks = nullptr;  // null: none were traced
   uint32_t shadow_lights = 0;             // of the masks, as sideray_mask_inputs has them, like the next three
   bool combined_lights = false, sky = false, unhidden_sky = false;
+  const IrradianceImage* bounced = nullptr;   // null: no surface lights another one
   const ReflectionImage* mirrored = nullptr;  // null: everything mirrors the prefiltered environment
   bool shadows = true;                        // rays say what hides lights that have no mask
 };

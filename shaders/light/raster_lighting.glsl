@@ -157,6 +157,8 @@ uniform sampler2DArray shadow_masks;    // a layer for each bit, lowest first; 1
 uniform bool open_mask_on;
 uniform sampler2D open_mask;            // 1 = the whole sky is seen
 uniform int unhidden_mask_layer;        // of shadow_masks: 1 = nothing opaque is in the way; -1: as open_mask has it
+uniform bool bounced_on;
+uniform sampler2D bounced;              // light of other surfaces, over pi; A 0: not known
 uniform bool mirrored_on;
 uniform sampler2D mirrored;             // radiance from the mirror direction, A: its share beside the environment's
 #endif
@@ -272,6 +274,11 @@ vec3 tint_of(int i, vec3 position) {
 }
 #endif
 
+#ifdef SR_MASKS
+// Light of other surfaces; w 0: it is not known.
+vec4 bounced_light() { return bounced_on ? texelFetch(bounced, ivec2(gl_FragCoord.xy), 0) : vec4(0.0); }
+#endif
+
 vec3 irradiance_about(vec3 normal) {
   return textureLod(environment_irradiance, sr_latlong(normal), 0.0).xyz;
 }
@@ -285,6 +292,11 @@ vec3 sky_light(vec3 normal, vec3 albedo) {
 #else
   bool knows_open = open_mask_on;
 #endif
+  vec4 thrown = bounced_light();
+  if (thrown.w > 0.0) {
+    float seen = knows_open ? texelFetch(open_mask, ivec2(gl_FragCoord.xy), 0).x : 1.0;
+    return max(from_here * seen + thrown.xyz, vec3(0.0));
+  }
   if (knows_open) {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     float open = texelFetch(open_mask, pixel, 0).x;
@@ -328,9 +340,21 @@ vec3 environment_radiance(vec3 normal, vec3 mirror, float roughness) {
   return textureLod(environment_specular, sr_latlong(direction), roughness * environment_last_level).xyz;
 }
 
+#ifdef SR_MASKS
+// Lets what is not traced toward its mirror direction see the light of matt surfaces: the open share of the sky, and of the rest
+// what arrives on average.
+vec3 under_cover(vec3 prefiltered) {
+  vec4 thrown = bounced_light();
+  if (!(thrown.w > 0.0)) return prefiltered;
+  float seen = open_mask_on ? texelFetch(open_mask, ivec2(gl_FragCoord.xy), 0).x : 1.0;
+  return max(prefiltered * seen + thrown.xyz, vec3(0.0));
+}
+#endif
+
 // Gives what the base mirrors, by rays where there were any, over the environment.
 vec3 over_environment(vec3 prefiltered) {
 #ifdef SR_MASKS
+  prefiltered = under_cover(prefiltered);
   if (mirrored_on) {
     vec4 traced = texelFetch(mirrored, ivec2(gl_FragCoord.xy), 0);
     return mix(prefiltered, traced.xyz, traced.w);

@@ -61,7 +61,7 @@ TEST_F(Bench, RawFramesMeasureTheStagesOfRays) {
   EXPECT_GT(raw["stages"]["trace"], 0.0);
   EXPECT_NE(bench("panes --size 64x36 --repeat 1").find("\nraw frame "), std::string::npos);
   const std::string raster =
-      bench("panes --size 64x36 --translucency raster --shadows map --ao off --repeat 1 --json s.json");
+      bench("panes --size 64x36 --translucency raster --shadows map --ambient off --repeat 1 --json s.json");
   EXPECT_EQ(raster.find("raw frame"), std::string::npos) << raster;
   EXPECT_FALSE(read("s.json").contains("raw_frame"));
 }

@@ -129,7 +129,7 @@ TEST_F(ChartLedger, WhatIsNotDrawnIsMostOfTheError) {
 TEST_F(ChartLedger, EveryShortcutThatWasAskedForIsNamed) {
   const json l = ledger(
       "panes --layers 2 --cache-rate quarter --diagnose second-wave=off,match=distance,step=listing "
-      "--shadows map --ao on --denoise off --cull-angle 1");
+      "--shadows map --ambient ao --denoise off --cull-angle 1");
   for (const char* name : {"layers", "rate", "second-wave", "match", "step", "order", "shadow-maps",
                            "ambient", "noise", "culling", "mask"})
     EXPECT_TRUE(names(l["terms"]).contains(name)) << name;

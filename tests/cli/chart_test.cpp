@@ -66,7 +66,7 @@ TEST_F(Chart, RowsAreWhatRenderDraws) {
   const char* const options[] = {"--layers 2 --ray-traced none", "--layers 2", "--translucency raytraced"};
   for (size_t i = 0; i < 3; ++i) {
     SCOPED_TRACE(options[i]);
-    const Outcome alone = run("bench panes -o x.exr --size 32x18 --repeat 1 --json x.json --ao off --reflections off " +
+    const Outcome alone = run("bench panes -o x.exr --size 32x18 --repeat 1 --json x.json --ambient off --reflections off " +
                               std::string(options[i]));
     ASSERT_EQ(alone.exit_code, 0) << alone.errors;
     EXPECT_EQ(json::parse(run("compare x.exr d/images/reference.exr --json").output), rows[i]["error"]);
@@ -100,7 +100,7 @@ TEST_F(Chart, BuiltInListsHaveNoDoubles) {
   for (const json& row : rows) configs.insert(row["config"].dump());
   EXPECT_EQ(configs.size(), rows.size());
   EXPECT_GE(rows.size(), 6u);
-  chart("empty -o f --sweep shadows --denoise off --ao on");
+  chart("empty -o f --sweep shadows --denoise off --ambient ao");
   EXPECT_LT(results("f")["rows"].size(), rows.size());
 }
 
@@ -158,23 +158,23 @@ TEST_F(Chart, TheReferenceReflectsWhereTheChartDoes) {
 
 // What is chosen to come nearer to light that bounces would be an error against a reference without it.
 TEST_F(Chart, AutoIsOffAgainstTheLightOfOneBounce) {
-  write("s.json", R"([{"translucency": "off"}, {"translucency": "off", "ao": "on"}, {"ao": "auto", "reflections": "on"}])");
+  write("s.json", R"([{"translucency": "off"}, {"translucency": "off", "ambient": "ao"}, {"ambient": "auto", "reflections": "on"}])");
   const auto used = [&](const std::string& options) {
     chart("empty -o d --sweep s.json " + options);
     std::string list;
     const json rows = results("d")["rows"];
     for (const json& row : rows) {
-      for (const char* name : {"ao", "reflections"}) list += row["config"][name].get<std::string>() + " ";
-      EXPECT_EQ(row["rays"]["ao"] > 0, row["config"]["ao"] == "on");
+      for (const char* name : {"ambient", "reflections"}) list += row["config"][name].get<std::string>() + " ";
+      EXPECT_EQ(row["rays"]["ao"] > 0 || row["rays"]["bounce"] > 0, row["config"]["ambient"] != "off");
       EXPECT_EQ(row["rays"]["reflection"] > 0, row["config"]["reflections"] == "on");
     }
     fs::remove_all(path("d"));
     return list;
   };
-  EXPECT_EQ(used(""), "off off on off off on ");
-  EXPECT_EQ(used("--bounces 1"), "off off on off off on ");
-  EXPECT_EQ(used("--bounces 2"), "on on on on on on ");
-  EXPECT_EQ(used("--env none --bounces 2"), "off on on on off on ");
+  EXPECT_EQ(used(""), "off off ao off off on ");
+  EXPECT_EQ(used("--bounces 1"), "off off ao off off on ");
+  EXPECT_EQ(used("--bounces 2"), "bounce on ao on bounce on ");
+  EXPECT_EQ(used("--env none --bounces 2"), "bounce on ao on bounce on ");
 }
 
 TEST_F(Chart, ShardsComeTogether) {
@@ -209,7 +209,7 @@ TEST_F(ChartFrames, RowsAreMeansOverFramesOfWhatRenderDraws) {
   const char* const options[] = {"--taa off", ""};
   for (size_t i = 0; i < 2; ++i) {
     const Outcome drawn =
-        run("render 'forest?count=12' --size 32x18 --shadows off --ao off --reflections off --frames 2-4 -o f.#.exr "
+        run("render 'forest?count=12' --size 32x18 --shadows off --ambient off --reflections off --frames 2-4 -o f.#.exr "
             "--stats f.json " +
             std::string(options[i]));
     ASSERT_EQ(drawn.exit_code, 0) << drawn.errors;

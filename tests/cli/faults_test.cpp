@@ -135,7 +135,7 @@ class Faults : public Program {
 
   Output render() {
     write("before/o.exr", old_text);
-    return {"render panes -o o.exr --size 16x9 --threads 1 --shadows exact --ao on", "o.exr",
+    return {"render panes -o o.exr --size 16x9 --threads 1 --shadows exact --ambient ao", "o.exr",
             [](const std::string& text, const std::string& whole) { return text == whole; }};
   }
   Output chart() {

@@ -189,7 +189,7 @@ TEST_F(Frames, AShardWritesItsBlockAlone) {
 // Warmed up from the sequence's start on, a block has the bits of the whole; without warming up it starts anew.
 TEST_F(Frames, ABlockOfATemporalSequenceWarmsUp) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
-  const std::string scene = "bistro --camera dolly --size 48x27 --frames 2-5 --fps 30 --shadows off --ao off --taa on ";
+  const std::string scene = "bistro --camera dolly --size 48x27 --frames 2-5 --fps 30 --shadows off --ambient off --taa on ";
   render(scene + "-o whole.#.exr");
   render(scene + "-o warm.#.exr --shard 1/2");
   EXPECT_FALSE(fs::exists(path("warm.3.exr"))) << "frames that warm up are not written";
@@ -245,10 +245,10 @@ class FramesInParts : public Frames {
 TEST_F(FramesInParts, WhatHasNoPastHasTheBytesOfTheWhole) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   for (const std::string& options :
-       {bistro_ + "--shadows map --ao off --denoise on --ray-reuse 0.0625",
-        bistro_ + "--shadows map --ao off --ray-reuse 0 --cache-rate checkerboard",
-        bistro_ + "--shadows exact --denoise off --ao on --reflections on",
-        bistro_ + "--translucency raytraced --shadows map --ao off",
+       {bistro_ + "--shadows map --ambient off --denoise on --ray-reuse 0.0625",
+        bistro_ + "--shadows map --ambient off --ray-reuse 0 --cache-rate checkerboard",
+        bistro_ + "--shadows exact --denoise off --ambient ao --reflections on",
+        bistro_ + "--translucency raytraced --shadows map --ambient off",
         std::string("'forest?count=50' --shadows inexact --denoise off")}) {
     draw_whole(options + " --taa off");
     EXPECT_TRUE(is_of_the_whole(options + " --taa off", "--warm-up 0")) << options;
@@ -260,7 +260,7 @@ TEST_F(FramesInParts, WhatHasAPastHasThemWhereItWarmsUpFromTheFirstFrameOn) {
   for (const std::string& options :
        {bistro_ + "--taa on --shadows map", bistro_ + "--taa off --shadows exact --denoise on",
         // Little of the sky is seen from within the bistro.
-        std::string("empty --taa off --shadows map --ao on --denoise on")}) {
+        std::string("empty --taa off --shadows map --ambient ao --denoise on")}) {
     draw_whole(options);
     EXPECT_TRUE(is_of_the_whole(options, "")) << options;
     EXPECT_FALSE(is_of_the_whole(options, "--warm-up 0")) << options << ": or it has no past";

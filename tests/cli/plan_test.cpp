@@ -110,18 +110,18 @@ using SlowPlan = Plan;
 
 TEST_F(Plan, PredictsWhatIsCounted) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL";
-  expect_predicted("edges --size 400x225 --shadows map --ao off --layers 1 --cache-rate checkerboard");
+  expect_predicted("edges --size 400x225 --shadows map --ambient off --layers 1 --cache-rate checkerboard");
 }
 
 TEST_F(SlowPlan, PredictsWhatIsCounted) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL";
-  expect_predicted("panes?count=2 --size 560x315 --shadows map --ao off");
-  expect_predicted("edges --size 560x315 --shadows map --ao off --layers 1 --cache-rate checkerboard");
+  expect_predicted("panes?count=2 --size 560x315 --shadows map --ambient off");
+  expect_predicted("edges --size 560x315 --shadows map --ambient off --layers 1 --cache-rate checkerboard");
 }
 
 TEST_F(Plan, SmallPicturesAreDrawnWhole) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL";
-  const std::string arguments = "panes --size 96x54 --translucency raytraced --shadows map --ao off";
+  const std::string arguments = "panes --size 96x54 --translucency raytraced --shadows map --ambient off";
   EXPECT_EQ(plan(arguments)["predicted"]["rays"], stats(arguments)["rays"]["total"]);
 }
 
@@ -233,7 +233,7 @@ TEST_F(Plan, AMissedTimeIsChosenAnew) {
   const json config = picked(second)["config"];
   for (const auto& [option, value] : config.items())
     chosen += fmt::format(" --{} {}", option, value.get<std::string>());
-  ASSERT_EQ(run("render " + arguments + chosen + " --ao off --reflections off -o b.png").exit_code, 0);
+  ASSERT_EQ(run("render " + arguments + chosen + " --ambient off --reflections off -o b.png").exit_code, 0);
   EXPECT_EQ(text_of(path("a.png")), text_of(path("b.png"))) << "what was measured leaves no trace in the picture";
 }
 
@@ -247,7 +247,7 @@ TEST_F(Plan, NothingIsWrittenWhereNothingHolds) {
 TEST_F(Plan, ConfigHasTheLayersThatAreUsed) {
   EXPECT_EQ(bounded("panes?count=1 --size 64x36 --shadows map")["config"]["layers"], 1);
   EXPECT_EQ(bounded("panes?count=1 --size 64x36 --shadows map --layers 8")["config"]["layers"], 1);
-  EXPECT_EQ(bounded("empty --size 64x36 --shadows map --ao off --reflections off")["config"]["layers"], 0);
+  EXPECT_EQ(bounded("empty --size 64x36 --shadows map --ambient off --reflections off")["config"]["layers"], 0);
 }
 
 TEST_F(Plan, ListsWhatAnOrderNeeds) {
@@ -276,21 +276,21 @@ TEST_F(Plan, AgreesWithTheCounters) {
   expect_agreement("empty --size 96x54");
   expect_agreement("panes --size 96x54");
   expect_agreement("panes?count=1 --size 96x54 --cache-rate quarter --reflections on");
-  expect_agreement("panes --size 96x54 --translucency raytraced --shadows map --ao on");
+  expect_agreement("panes --size 96x54 --translucency raytraced --shadows map --ambient ao");
   expect_agreement("forest?count=200 --size 96x54");
 }
 
 TEST_F(Plan, NothingMoreThanTheSceneNeeds) {
-  const json empty = bounded("empty --size 64x36 --shadows map --ao off --reflections off");
+  const json empty = bounded("empty --size 64x36 --shadows map --ambient off --reflections off");
   for (const char* stage : {"build", "mask", "readback", "trace", "trace_shadow", "upload", "composite"})
     EXPECT_FALSE(runs(empty, stage)) << stage;
   EXPECT_EQ(service_bytes(empty), 0u);
   EXPECT_EQ(empty["bounds"]["rays"], 0);
-  EXPECT_EQ(service_bytes(bounded("empty --size 64x36 --ao off --reflections off")), 64u * 36) << "one light, one mask";
-  EXPECT_EQ(service_bytes(bounded("panes?count=1 --size 64x36 --shadows map --ao off --diagnose whole-pixels=off")), 64u * 36 * 16)
+  EXPECT_EQ(service_bytes(bounded("empty --size 64x36 --ambient off --reflections off")), 64u * 36) << "one light, one mask";
+  EXPECT_EQ(service_bytes(bounded("panes?count=1 --size 64x36 --shadows map --ambient off --diagnose whole-pixels=off")), 64u * 36 * 16)
       << "one pane, one layer";
-  EXPECT_EQ(service_bytes(bounded("panes?count=6 --size 64x36 --shadows map --ao off --diagnose whole-pixels=off")), 64u * 36 * 16 * 4);
-  EXPECT_EQ(service_bytes(bounded("panes?count=6 --size 64x36 --shadows map --ao off")), 64u * 36 * (16 * 4 + 16));
+  EXPECT_EQ(service_bytes(bounded("panes?count=6 --size 64x36 --shadows map --ambient off --diagnose whole-pixels=off")), 64u * 36 * 16 * 4);
+  EXPECT_EQ(service_bytes(bounded("panes?count=6 --size 64x36 --shadows map --ambient off")), 64u * 36 * (16 * 4 + 16));
   // What auto leaves out costs nothing.
   const json bare = bounded("panes --size 64x36 --translucency off --shadows map --env none");
   for (const char* stage : {"build", "readback", "trace", "trace_ao", "denoise", "upload"})

@@ -91,7 +91,7 @@ TEST_F(Render, CountersAgreeWithEachOther) {
   const json s = stats("s.json");
   const json &rays = s["rays"], &layers = s["layers"], &pixels = s["pixels"];
   EXPECT_EQ(rays["total"].get<int64_t>(), rays["primary"].get<int64_t>() + rays["reflection"].get<int64_t>() +
-                                              rays["shadow"].get<int64_t>() + rays["ao"].get<int64_t>());
+                                              rays["shadow"].get<int64_t>() + rays["ao"].get<int64_t>() + rays["bounce"].get<int64_t>());
   EXPECT_EQ(pixels["total"], 64 * 36);
   // Four equal panes over about half the picture, of which three layers are asked for.
   EXPECT_GT(pixels["masked"].get<int>(), 64 * 36 / 4);
@@ -121,7 +121,7 @@ TEST_F(Render, MatchersSteppersAndTheirCheck) {
 }
 
 TEST_F(Render, RasterHasNoLayers) {
-  render("panes -o x.exr --size 32x18 --translucency raster --shadows map --ao off --stats s.json");
+  render("panes -o x.exr --size 32x18 --translucency raster --shadows map --ambient off --stats s.json");
   const json s = stats("s.json");
   EXPECT_FALSE(s.contains("layers"));
   EXPECT_FALSE(s.contains("bytes"));
@@ -234,7 +234,7 @@ TEST_F(Render, ConfigNamesEveryOptionOfTheMode) {
                              "oit",          "shadows",
                              "whole-pixels", "ray-reuse",
                              "poses",        "cull-angle",
-                             "reflections",  "ao",
+                             "reflections",  "ambient",
                              "denoise",      "taa",
                              "samples",
                              "fps",          "time",
@@ -267,14 +267,14 @@ TEST_F(Render, ConfigHasWhatAutoComesTo) {
   const auto used = [&](const std::string& options) {
     render(options + " -o x.png --size 32x18 --stats s.json");
     const json config = stats("s.json")["config"];
-    return config["ao"].get<std::string>() + " " + config["reflections"].get<std::string>();
+    return config["ambient"].get<std::string>() + " " + config["reflections"].get<std::string>();
   };
   EXPECT_EQ(used("empty"), "on on");
   EXPECT_EQ(used("empty --env none"), "off on");
   EXPECT_EQ(used("empty --env-scale 0.01"), "off on");
   EXPECT_EQ(used("panes"), "on off") << "nothing opaque is smooth";
-  EXPECT_EQ(used("empty --ao off --reflections off"), "off off");
-  EXPECT_EQ(used("panes --env none --ao on --reflections on"), "on on");
+  EXPECT_EQ(used("empty --ambient off --reflections off"), "off off");
+  EXPECT_EQ(used("panes --env none --ambient ao --reflections on"), "on on");
   EXPECT_EQ(used("empty --reference --light-samples 1"), "off off");
   EXPECT_EQ(used("empty --max-error 1"), "off off") << "errors are those to the light of one bounce";
 }
@@ -320,8 +320,8 @@ TEST_F(Render, ABudgetThatIsSpentGoesOnInPieces) {
 }
 
 TEST_F(Render, ADeadlineThatHasPassedLeavesRaster) {
-  render("panes -o a.exr --size 64x36 --ao off --shadows map --deadline 0.001 --diagnose check --stats a.json");
-  render("panes -o b.exr --size 64x36 --ao off --shadows map --layers 0");
+  render("panes -o a.exr --size 64x36 --ambient off --shadows map --deadline 0.001 --diagnose check --stats a.json");
+  render("panes -o b.exr --size 64x36 --ambient off --shadows map --layers 0");
   EXPECT_EQ(run("compare a.exr b.exr --fail-above 0 --metric relmse").exit_code, 0);
   const json stats = json::parse(text_of(path("a.json")));
   EXPECT_GT(stats["pixels"]["masked"], 0);
@@ -375,7 +375,7 @@ TEST_F(Render, AForestReadFromAFileIsTheSamePicture) {
 TEST_F(Render, WithoutTranslucencyGlassThrowsNoShadows) {
   for (const char* shadows : {"exact", "map"})
     for (const char* translucency : {"off", "raster"}) {
-      const std::string way = std::string(" --size 64x36 --ao off --shadows ") + shadows + " --translucency " + translucency;
+      const std::string way = std::string(" --size 64x36 --ambient off --shadows ") + shadows + " --translucency " + translucency;
       render("'crossing?panes=0'" + way + " -o a.exr");
       render("'crossing?panes=9'" + way + " -o b.exr");
       EXPECT_EQ(text_of(path("a.exr")) == text_of(path("b.exr")), std::string(translucency) == "off") << way;

@@ -78,7 +78,7 @@ class Stage {
 
 RenderOptions options_of(sideray_translucency translucency, sideray_shadows shadows) {
   RenderOptions o;
-  o.picture.ao = o.picture.reflections = 0;
+  o.picture.ambient = o.picture.reflections = 0;
   o.picture.width = 160;
   o.picture.height = 90;
   o.translucency->method = translucency;
@@ -144,7 +144,7 @@ TEST(Economy, OpaqueRaysThatAreLeftOutCostNothing) {
   const scenes::Content content = scenes::generate("panes", {});
   Stage automatic(content, "none", false), off(content, "none", false);
   RenderOptions left = options_of(SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_SHADOWS_MAP);
-  left.picture.ao = SIDERAY_AO_AUTO, left.picture.reflections = SIDERAY_REFLECTIONS_AUTO;
+  left.picture.ambient = SIDERAY_AMBIENT_AUTO, left.picture.reflections = SIDERAY_REFLECTIONS_AUTO;
   expect_no_more(automatic, left, off, options_of(SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_SHADOWS_MAP), "panes, auto");
 }
 

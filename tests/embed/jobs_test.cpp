@@ -12,7 +12,7 @@ namespace sideray::tests::jobs_test {
 namespace {
 
 constexpr uint32_t masks_job = SIDERAY_JOB_MASKS, layers_job = SIDERAY_JOB_LAYERS;
-constexpr uint32_t reflections_job = SIDERAY_JOB_REFLECTIONS, all_jobs = SIDERAY_JOB_ALL;
+constexpr uint32_t reflections_job = SIDERAY_JOB_REFLECTIONS, all_jobs = masks_job | layers_job | reflections_job;
 
 // A host's shader that layers and reflections wait for, as long as it is held.
 struct HeldShader {

@@ -39,7 +39,7 @@ class Culling : public ::testing::Test {
   Culling() {
     options_.picture.width = 160, options_.picture.height = 90;
     options_.picture.repeats = 1;
-    options_.picture.ao = options_.picture.reflections = 0;
+    options_.picture.ambient = options_.picture.reflections = 0;
     options_.picture.denoise = 0;
     fill(content_, std::vector<bool>(content_.objects.size(), true));
   }

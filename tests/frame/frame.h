@@ -90,7 +90,7 @@ inline Frame render(const scenes::Content& content, const Setup& setup, const si
   options.picture.aovs = setup.aovs;
   options.picture.repeats = setup.repeats;
   options.picture.samples = setup.samples;
-  options.picture.ao = setup.ao;
+  options.picture.ambient = setup.ao ? SIDERAY_AMBIENT_AO : SIDERAY_AMBIENT_OFF;
   options.picture.denoise = setup.denoise;
   options.picture.seed = setup.seed;
   if (setup.reference) {

@@ -172,7 +172,7 @@ TEST(CameraRays, AreThoseOfThePixels) {
     const TwoQuads quads(camera);
     constexpr uint32_t width = 33, height = 21;
     RenderOptions options;
-    options.picture.ao = options.picture.reflections = 0;
+    options.picture.ambient = options.picture.reflections = 0;
     options.picture.width = width, options.picture.height = height;
     options.picture.aovs = SIDERAY_AOV_BEHIND | SIDERAY_AOV_Z;
     Renderer renderer = Renderer::create().value();

@@ -67,7 +67,7 @@ const Case cases[] = {
     {"peeled", "crossing?layers=3", [](RenderOptions& o) { o.translucency->oit = SIDERAY_OIT_PEEL; }},
     {"inexact shadows and occlusion", "forest?count=40",
      [](RenderOptions& o) {
-       o.picture.ao = 1;
+       o.picture.ambient = 1;
        o.picture.aovs = SIDERAY_AOV_SHADOW | SIDERAY_AOV_INEXACT;
      }},
     {"reflections, every output", "frosted",

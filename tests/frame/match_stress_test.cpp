@@ -149,7 +149,7 @@ Table measure(const std::vector<Case>& cases, uint32_t width, uint32_t height) {
     const sideray_camera camera = stage.camera(c);
     for (const Matcher& matcher : matchers) {
       RenderOptions options;
-      options.picture.ao = options.picture.reflections = 0;
+      options.picture.ambient = options.picture.reflections = 0;
       options.picture.width = width, options.picture.height = height;
       options.translucency->layers = 3;  // the third is the front of a slab whose back has no layer
       options.translucency->match = matcher.match;

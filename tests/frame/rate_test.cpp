@@ -259,7 +259,7 @@ TEST_P(CacheRate, EarlierPicturesLeaveNothing) {
   Scene scene = Scene::create().value();
   scenes::fill(scene, content, std::vector<bool>(content.objects.size(), true));
   RenderOptions options;
-  options.picture.ao = options.picture.reflections = 0;
+  options.picture.ambient = options.picture.reflections = 0;
   options.picture.width = 160, options.picture.height = 90;
   const double eye[3] = {0.4, 0.1, -0.5}, target[3] = {-0.5, 0, -3};
   const auto draw = [&](Renderer& with, const sideray_camera& camera, sideray_cache_rate rate) {

@@ -86,7 +86,7 @@ std::vector<uint64_t> rays_of_a_still_sequence(uint32_t pictures) {
   RenderOptions options;
   options.picture.width = 64;
   options.picture.height = 36;
-  options.picture.ao = options.picture.repeats = 1;
+  options.picture.ambient = options.picture.repeats = 1;
   options.picture.reflections = 0;
   options.shadows->method = SIDERAY_SHADOWS_EXACT;
   std::vector<uint64_t> rays;

@@ -145,7 +145,7 @@ TEST(DefaultSweep, LightsGlossSkyAndSizeDecide) {
   SweepScene bare;
   const DefaultSweep dark = default_sweep(Sweep::shadows, bare);
   EXPECT_EQ(dark.configurations, (std::vector<Configuration>{{{"shadows", "off"}}}));
-  for (const char* reason : {"no light", "no --reflections", "no --ao"})
+  for (const char* reason : {"no light", "no --reflections", "no --ambient"})
     EXPECT_THAT(dark.left_out, Contains(HasSubstr(reason)));
   bare.lights = 1;
   const DefaultSweep lit = default_sweep(Sweep::shadows, bare);

@@ -289,7 +289,7 @@ TEST(CandidateConfigurations, SuitTheScene) {
         << shadows;
   }
   EXPECT_EQ(count_of(all, "shadows", "inexact"), 0u) << "nothing sways";
-  EXPECT_EQ(count_of(all, "ao", "on") + count_of(all, "translucency", "reference"), 0u);
+  EXPECT_EQ(count_of(all, "ambient", "ao") + count_of(all, "translucency", "reference"), 0u);
   const auto opaque = candidate_configurations({.lights = 1}, {});
   EXPECT_EQ(count_of(opaque, "translucency", "hybrid") + count_of(opaque, "translucency", "raytraced"), 0u);
   EXPECT_TRUE(has(opaque, {{"shadows", "map"}}));
@@ -301,7 +301,7 @@ TEST(CandidateConfigurations, SuitTheScene) {
 TEST(CandidateConfigurations, AreAllThatAChartWouldDraw) {
   const auto all = candidate_configurations(glass, {});
   const auto is_left_out = [](const Configuration& point) {
-    for (const char* option : {"ao", "reflections", "mask", "step", "match"})
+    for (const char* option : {"ambient", "reflections", "mask", "step", "match"})
       if (point.contains(option)) return true;
     return (point.contains("translucency") && point.at("translucency") == "reference") ||
            (point.contains("oit") && point.at("oit") == "peel");

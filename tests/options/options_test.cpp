@@ -79,7 +79,7 @@ TEST(OptionTable, DefaultsAreThoseOfTheStructs) {
   EXPECT_EQ(o.samples, d.samples);
   EXPECT_EQ(o.seed, d.seed);
   EXPECT_EQ(o.reflections, d.reflections);
-  EXPECT_EQ(o.ao, d.ao);
+  EXPECT_EQ(o.ambient, d.ambient);
   EXPECT_EQ(o.taa, d.taa);
   EXPECT_EQ(o.deadline_ms, d.deadline_ms);
   EXPECT_EQ(o.reference, nullptr);
@@ -203,7 +203,7 @@ TEST(OptionTable, ValuesReachTheStructs) {
            {"step", "listing"}, {"cache-rate", "quarter"}, {"second-wave", "off"},
            {"match-threshold", "0.5"}, {"mask", "none"}, {"rt-particles", "on"},
            {"oit", "peel"}, {"shadows", "map"}, {"inexact", "tmin"}, {"inexact-bias", "2"}, {"inexact-target", "bit"},
-           {"poses", "7"}, {"cull-angle", "3"}, {"reflections", "on"}, {"ao", "on"}, {"samples", "5"}, {"seed", "9"},
+           {"poses", "7"}, {"cull-angle", "3"}, {"reflections", "on"}, {"ambient", "ao"}, {"samples", "5"}, {"seed", "9"},
            {"deadline", "12"}, {"taa", "on"}})
     options.set(name, value);
   const sideray_render_options& o = options.render();
@@ -224,7 +224,7 @@ TEST(OptionTable, ValuesReachTheStructs) {
   EXPECT_EQ(o.shadows->inexact_target, SIDERAY_TARGET_BIT);
   EXPECT_EQ(o.poses->poses, 7u);
   EXPECT_EQ(o.poses->cull_angle_deg, 3.0f);
-  EXPECT_EQ(o.reflections + o.ao + o.taa, 3);
+  EXPECT_EQ(o.reflections + o.ambient + o.taa, 3);
   EXPECT_EQ(o.samples, 5u);
   EXPECT_EQ(o.seed, 9u);
   EXPECT_EQ(o.deadline_ms, 12.0f);
@@ -256,7 +256,7 @@ TEST(OptionTable, AQualityHasValuesForWhatIsNotGiven) {
   const Options draft = with({{"quality", "draft"}});
   EXPECT_EQ(draft["quality"], "draft");
   for (const auto& [name, value] : {std::pair("layers", "2"), std::pair("refraction", "off"), std::pair("shadows", "map"),
-                                    std::pair("poses", "rest"), std::pair("reflections", "off"), std::pair("ao", "off")})
+                                    std::pair("poses", "rest"), std::pair("reflections", "off"), std::pair("ambient", "off")})
     EXPECT_EQ(draft[name], value);
   EXPECT_EQ(draft.render().translucency->layers, 2u);
   EXPECT_EQ(draft.render().shadows->method, SIDERAY_SHADOWS_MAP);
@@ -322,21 +322,22 @@ TEST(OptionTable, RayReuseIsLeftToThePlan) {
 }
 
 TEST(OptionTable, RaysOfOpaqueSurfacesAreLeftToThePlan) {
-  for (const char* name : {"ao", "reflections"}) {
+  for (const char* name : {"ambient", "reflections"}) {
     SCOPED_TRACE(name);
+    const bool ambient = std::string(name) == "ambient";
     Options options = Options::create().value();
     const auto value = [&] {
       const sideray_render_options& o = options.render();
-      return std::string(name) == "ao" ? o.ao : o.reflections;
+      return std::string(name) == "ambient" ? o.ambient : o.reflections;
     };
     EXPECT_EQ(options[name], "auto");
     EXPECT_EQ(value(), -1);
-    for (const auto& [text, number] : {std::pair("on", 1), std::pair("off", 0), std::pair("auto", -1)}) {
+    for (const auto& [text, number] : {std::pair(ambient ? "ao" : "on", 1), std::pair("off", 0), std::pair("auto", -1)}) {
       options.set(name, text);
       EXPECT_EQ(options[name], text);
       EXPECT_EQ(value(), number);
     }
-    EXPECT_THAT(refusal(options, name, "1"), HasSubstr("one of auto, on, off"));
+    EXPECT_THAT(refusal(options, name, "1"), HasSubstr(ambient ? "one of auto, off, ao, bounce" : "one of auto, on, off"));
     options.set("reference", "true");
     EXPECT_EQ(options[name], "off") << "references have nothing to choose";
   }
@@ -349,8 +350,8 @@ TEST(OptionTable, RaysOfOpaqueSurfacesAreReducedToWhatTheSceneMakesOfThem) {
   facts.glossy_objects = facts.lit_lights = 1;
   facts.has_environment = 1;
   for (const bool is_traced : {true, false}) {
-    facts.auto_ao = facts.auto_reflections = is_traced;
-    for (const char* name : {"ao", "reflections"}) {
+    facts.auto_ao = facts.auto_bounce = facts.auto_reflections = is_traced;
+    for (const char* name : {"ambient", "reflections"}) {
       SCOPED_TRACE(name);
       const auto reduced = [&](const char* text) {
         Options options = Options::create().value();
@@ -359,8 +360,9 @@ TEST(OptionTable, RaysOfOpaqueSurfacesAreReducedToWhatTheSceneMakesOfThem) {
         return options;
       };
       const Options automatic = reduced("");
-      EXPECT_TRUE(sideray_options_equal(automatic.get(), reduced(is_traced ? "on" : "off").get()));
-      EXPECT_FALSE(sideray_options_equal(automatic.get(), reduced(is_traced ? "off" : "on").get()));
+      const char* traced = std::string(name) == "ambient" ? "bounce" : "on";
+      EXPECT_TRUE(sideray_options_equal(automatic.get(), reduced(is_traced ? traced : "off").get()));
+      EXPECT_FALSE(sideray_options_equal(automatic.get(), reduced(is_traced ? "off" : traced).get()));
     }
     const auto shortcut = [&](const char* wanted) {
       sideray_shortcuts* list = nullptr;
@@ -414,7 +416,7 @@ TEST(OptionTable, ContradictionsNameBoth) {
   for (const sideray_option* row : rows()) {
     const std::string name = row->name;
     if (name == "reference" || name == "check" || *row->default_value == '\0') continue;
-    static const std::set<std::string> allowed{"size", "refraction", "bounces", "reflections", "ao",
+    static const std::set<std::string> allowed{"size", "refraction", "bounces", "reflections", "ambient",
                                                "samples", "light-samples", "caustics", "seed"};
     const std::string message = contradiction({{"reference", "true"}, {name, row->default_value}});
     EXPECT_EQ(message.empty(), allowed.contains(name)) << name;

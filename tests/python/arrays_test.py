@@ -201,7 +201,7 @@ def test_intrinsics_choose_the_pixels_of_a_larger_picture(gl, name):
     scene = sideray.load(name)
     pose = scene.get_camera(None, aspect=16 / 9).world_from_camera
     # What is drawn with random numbers has others at other places of a picture.
-    options = dict(translucency="raytraced", shadows="off", ao=False, reflections=False, aov="id,Z")
+    options = dict(translucency="raytraced", shadows="off", ambient=False, reflections=False, aov="id,Z")
     if name == "smoke":
         options["translucency"] = "raster"
     with sideray.Renderer(gl=gl) as renderer:

@@ -135,7 +135,7 @@ def test_load_and_options_of_the_command_line(renderer):
     scene = sideray.load("panes")
     assert isinstance(scene, sideray.Scene)
     picture = sideray.Renderer().render(scene, (64, 36), None, translucency="raytraced", cache_rate="full", layers=4,
-                                        shadows="exact", ao=True, second_wave=False, samples=1, seed=3)
+                                        shadows="exact", ambient="ao", second_wave=False, samples=1, seed=3)
     assert isinstance(picture, sideray.Picture) and picture.rgb.shape == (36, 64, 3)
 
 

@@ -32,7 +32,7 @@ def test_cameras_by_name_and_number(renderer):
 
 
 @pytest.mark.skipif(not PROGRAM, reason="SIDERAY_PROGRAM names no program to compare with")
-@pytest.mark.parametrize("options", [[], ["--translucency", "raytraced", "--layers", "4", "--ao", "on"],
+@pytest.mark.parametrize("options", [[], ["--translucency", "raytraced", "--layers", "4", "--ambient", "ao"],
                                      ["--reference", "--light-samples", "4"], ["--ray-traced", "pane[01]"],
                                      ["--env", "none", "--shadows", "map", "--samples", "2"],
                                      ["--eye", "1,1,6", "--target", "0,0,0", "--fov", "50"]])

@@ -29,7 +29,7 @@ def same(one, other):
 
 @pytest.mark.parametrize("gl", ["auto", "none"])
 @pytest.mark.parametrize("threads", [1, 2, 5])
-@pytest.mark.parametrize("options", [{}, {"shadows": "exact", "ao": True, "reflections": True, "aov": "N,first,shadow"},
+@pytest.mark.parametrize("options", [{}, {"shadows": "exact", "ambient": "ao", "reflections": True, "aov": "N,first,shadow"},
                                      {"samples": 3, "translucency": "raytraced"}], ids=["defaults", "masks", "samples"])
 def test_each_picture_is_the_one_it_is_alone(gl, threads, options):
     scene = sideray.load("panes")
@@ -47,7 +47,7 @@ def test_what_each_view_hits_otherwise(scene):
     """Sprites face each camera, and plants are posed: pictures are drawn one after the other."""
     scene = sideray.load(scene)
     cameras = around(scene, 4)
-    options = {"ao": False, "shadows": "exact", "poses": "all"}
+    options = {"ambient": False, "shadows": "exact", "poses": "all"}
     with sideray.Renderer(gl="none", threads=2) as renderer, sideray.Renderer(gl="none") as alone:
         for picture, camera in zip(renderer.render_many(scene, cameras, SIZE, **options), cameras):
             same(picture, alone.render(scene, SIZE, camera, **options))

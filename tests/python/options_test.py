@@ -15,9 +15,9 @@ def test_values_of_python_are_values_of_the_command_line(renderer, square):
     def drawn(**options):
         return renderer.render(square, (16, 16), **options).rgb.tobytes()
 
-    assert drawn(shadows="exact", ao=True, layers=2, cull_angle=0.5, seed=3) == \
-        drawn(shadows="exact", ao="on", layers="2", cull_angle="0.5", seed="3")
-    assert drawn(ao=None) == drawn() == drawn(ao="auto") == drawn(ao=True) and drawn(ao=False) != drawn()
+    assert drawn(shadows="exact", ambient="ao", layers=2, cull_angle=0.5, seed=3) == \
+        drawn(shadows="exact", ambient="ao", layers="2", cull_angle="0.5", seed="3")
+    assert drawn(ambient=None) == drawn() == drawn(ambient="auto") == drawn(ambient="bounce") and drawn(ambient=False) != drawn()
     assert square.facts["auto_ao"] and not square.facts["auto_reflections"]
     assert drawn(reference=True, light_samples=2.0) == drawn(reference="true", light_samples="2")
 
@@ -26,7 +26,7 @@ def test_values_of_python_are_values_of_the_command_line(renderer, square):
     ({"layer": 2}, "layer: no such option; did you mean layers"),
     ({"gl": "egl"}, "use sideray.Renderer\\(gl=...\\)"),
     ({"shadows": "soft"}, "shadows"),
-    ({"ao": 2}, "ao"),
+    ({"ambient": 2}, "ambient"),
     ({"samples": 2.5}, "samples: \"2.5\" is not a whole number"),
     ({"reference": True, "layers": 2}, "reference: contradicts 'layers'"),
     ({"aov": "depth"}, "^aov: unknown name \"depth\"; there are Z, N"),
@@ -66,7 +66,7 @@ def test_quality_is_a_set_of_values(renderer):
     for other in drawn[2:]:
         assert not (drawn[0] == other).all()
     same = renderer.render(panes, (32, 18), layers=2, refraction=False, shadows="map", poses="rest", reflections=False,
-                           ao=False).rgb
+                           ambient=False).rgb
     assert (drawn[2] == same).all()
     assert (drawn[4] == renderer.render(panes, (32, 18), layers=8, ray_reuse=0, ray_traced="all").rgb).all()
     with pytest.raises(sideray.Error, match="draft, balanced, best"):

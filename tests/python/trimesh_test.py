@@ -40,7 +40,7 @@ def test_a_scene_has_its_transforms_names_and_camera(renderer):
 
 
 def test_colours_and_textures(renderer):
-    options = dict(shadows="off", ao=False, reflections=False, aov="albedo")
+    options = dict(shadows="off", ambient=False, reflections=False, aov="albedo")
     box = trimesh.creation.box((2, 2, 2))
     box.visual.face_colors = [255, 0, 0, 255]
     albedo = renderer.render(looking(sideray.Scene.from_trimesh(box)), (16, 16), **options)["albedo"]

@@ -66,7 +66,7 @@ class Sequence {
     options_.shadows->inexact = way.inexact;
     options_.poses->poses = way.poses;
     options_.poses->cull_angle_deg = 0;
-    options_.picture.ao = occluded;
+    options_.picture.ambient = occluded;
     options_.picture.reflections = 0;
     options_.picture.denoise = 0;
     options_.picture.aovs = SIDERAY_AOV_Z | (occluded ? uint32_t{SIDERAY_AOV_SHADOW} : 0u);

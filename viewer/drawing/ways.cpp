@@ -12,7 +12,7 @@ using Setting = std::pair<const char*, const char*>;
 std::vector<Setting> settings_of(Way way) {
   switch (way) {
     case Way::raster:
-      return {{"translucency", "raster"}, {"shadows", "map"}, {"ao", "off"}, {"reflections", "off"}};
+      return {{"translucency", "raster"}, {"shadows", "map"}, {"ambient", "off"}, {"reflections", "off"}};
     case Way::hybrid: return {{"translucency", "hybrid"}};
     case Way::raytraced: return {{"translucency", "raytraced"}};
     case Way::reference: return {{"reference", "true"}};

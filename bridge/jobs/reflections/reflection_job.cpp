@@ -55,11 +55,11 @@ rt::Counters ReflectionJob::trace(const JobFrame& frame, const TraceInput& input
 }
 
 void ReflectionJob::prepare(const gl::Functions& gl, const JobFrame&) {
-  texture_.prepare(gl, image_);
+  texture_.prepare(gl, light());
 }
 
 uint64_t ReflectionJob::upload(const gl::Functions& gl, const JobFrame& frame, const UploadWay& way) {
-  return image_.changed ? texture_.upload(gl, image_, frame.inputs.inspection.wanted_light.get(), way) : 0;
+  return image_.changed ? texture_.upload(gl, light(), frame.inputs.inspection.wanted_light.get(), way) : 0;
 }
 
 void ReflectionJob::publish(const JobFrame& frame) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "bridge/jobs/job.h"
-#include "bridge/jobs/reflections/reflection_texture.h"
+#include "bridge/jobs/light_texture.h"
 #include "rt/history/still_frames.h"
 #include "rt/reflections/older_reflections.h"
 
@@ -28,10 +28,12 @@ class ReflectionJob final : public Job {
   const sideray_reflection_outputs& outputs() const { return outputs_; }  // ticket 0: none yet
 
  private:
+  LightImage light() const { return {"reflections", image_.width, image_.height, image_.radiance.data()}; }
+
   rt::ReflectionImage image_;
   rt::StillFrames still_;
   rt::OlderReflections older_;
-  ReflectionTexture texture_;
+  LightTexture texture_;
   sideray_reflection_outputs outputs_{};
 };
 

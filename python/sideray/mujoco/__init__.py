@@ -285,7 +285,7 @@ class Renderer:
             options.setdefault("shadows", "off")
         mirrors = flags[_FLAG.mjRND_REFLECTION] and any(g.reflectance > 0 for g in self._scene.geoms[:self._scene.ngeom])
         options.setdefault("reflections", bool(mirrors))
-        options.setdefault("ao", False)  # ambient light reaches everything in MuJoCo
+        options.setdefault("ambient", False)  # ambient light reaches everything in MuJoCo
         options.setdefault("tonemap", "pbr-neutral" if self._look.linear else "none")
         self._pictures, cameras = self._render(self._drawn, options)
         backdrop = self._drawn.backdrop(bool(flags[_FLAG.mjRND_SKYBOX]))

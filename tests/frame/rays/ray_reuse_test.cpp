@@ -10,7 +10,7 @@ namespace {
 
 RenderOptions drawn(float ray_reuse) {
   RenderOptions o;
-  o.picture.ao = o.picture.reflections = 0;
+  o.picture.ambient = o.picture.reflections = 0;
   o.shadows->method = SIDERAY_SHADOWS_MAP;
   o.translucency->ray_reuse = ray_reuse;
   return o;

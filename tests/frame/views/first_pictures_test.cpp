@@ -21,7 +21,7 @@ View opaque_view(const char* scene) {
   View view(scenes::generate(scene, {}), 256, 144);
   view.options.picture.taa = 0;
   view.options.picture.reflections = 0;
-  view.options.picture.ao = 0;
+  view.options.picture.ambient = 0;
   view.options.translucency->method = SIDERAY_TRANSLUCENCY_OFF;
   return view;
 }
@@ -51,12 +51,12 @@ TEST(FirstPictures, HaveTheShadowsOfTheMaps) {
 // A room whose walls hide most of the sky: without occlusion everything in it shines.
 TEST(FirstPictures, HaveTheSkyOfAFewSamples) {
   View view = opaque_view("bistro");
-  view.options.picture.ao = 1;
+  view.options.picture.ambient = 1;
   const Shown whole = view.draw();
   View open = opaque_view("bistro");
   const double without = difference(open.draw(), whole);
   View first = opaque_view("bistro");
-  first.options.picture.ao = 1;
+  first.options.picture.ambient = 1;
   sideray_diagnostics diagnostics = sideray_diagnostics_defaults();
   diagnostics.budget_pieces = 3;  // of 40 tiles; a sample costs a sixteenth
   first.options.picture.diagnostics = &diagnostics;

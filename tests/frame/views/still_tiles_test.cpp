@@ -68,7 +68,7 @@ TEST(StillTiles, SeeSmokeWhereItIs) {
 // Its shadow, and its image in the mirror, are seen elsewhere.
 TEST(StillTiles, SeeAnObjectWhereItMoves) {
   View view(make_yard(), width, height);
-  view.options.picture.ao = 0;
+  view.options.picture.ambient = 0;
   const Course course = course_of(view, [&] { view.move_object("box", {0.1, 0.05, 0}); });
   EXPECT_LT(10 * course.rays_after, 9 * course.rays_of_all);
   EXPECT_EQ(course.last.colors, course.alone.colors);
@@ -76,10 +76,24 @@ TEST(StillTiles, SeeAnObjectWhereItMoves) {
 
 TEST(StillTiles, SeeALampWhereItLights) {
   View view(make_yard(), width, height);
+  view.options.picture.ambient = SIDERAY_AMBIENT_AO;  // where light bounces, it lights the whole yard
   view.pose(5.0);
   const Course course = course_of(view, [&] { view.move_light(1, {0.2, 0, 0.1}); });
   EXPECT_LT(4 * course.rays_after, 3 * course.rays_of_all);
   EXPECT_EQ(course.last.colors, course.alone.colors);
+}
+
+// Light that bounces brings it everywhere.
+TEST(StillTiles, SeeALampInTheLightThatBounces) {
+  View view(make_yard(), width, height);
+  view.options.picture.ambient = SIDERAY_AMBIENT_BOUNCE;
+  view.pose(5.0);
+  const uint32_t seed = [&] {
+    view.draw(still_positions + 1);
+    view.move_light(1, {0.2, 0, 0.1});
+    return view.options.picture.seed;
+  }();
+  EXPECT_EQ(view.draw(still_positions + 1).colors, view.alone(seed).colors);
 }
 
 // While it rises, only the tiles that show it are drawn anew; the others become whole, as if it were not there.

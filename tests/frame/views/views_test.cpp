@@ -37,7 +37,7 @@ class Views : public ::testing::TestWithParam<const char*> {
   Views() {
     options_.picture.width = 160, options_.picture.height = 90;
     options_.picture.repeats = 1;
-    options_.picture.ao = options_.picture.reflections = 0;
+    options_.picture.ambient = options_.picture.reflections = 0;
     options_.translucency->check = 1;
     options_.picture.denoise = 0;
     scenes::fill(scene_, content_, std::vector<bool>(content_.objects.size(), true));

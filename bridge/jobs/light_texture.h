@@ -1,4 +1,4 @@
-// The texture that holds what a frame's opaque surfaces mirror. GL thread.
+// The texture that holds light of a frame's opaque pixels: what they mirror, or what other surfaces throw on them. GL thread.
 #pragma once
 
 #include <cstdint>
@@ -7,18 +7,24 @@
 #include "gl/context/functions.h"
 #include "gl/resources/objects.h"
 #include "rt/reach/wanted_tiles.h"
-#include "rt/reflections/reflection_request.h"
 
 namespace sideray::bridge {
 
-class ReflectionTexture {
+// Refers to four halfs a pixel. `what` is named in errors.
+struct LightImage {
+  const char* what;
+  uint32_t width, height;
+  const uint16_t* halfs;
+};
+
+class LightTexture {
  public:
   // Uploads the tiles that are wanted, null: all of it, and all where the texture is new. Returns the bytes moved. Needs guards
   // over the pixel transfer state and the active unit's textures.
-  uint64_t upload(const gl::Functions& gl, const rt::ReflectionImage& image, const rt::WantedTiles* wanted,
+  uint64_t upload(const gl::Functions& gl, const LightImage& image, const rt::WantedTiles* wanted,
                   const UploadWay& way);
   // As in CacheTextures.
-  void prepare(const gl::Functions& gl, const rt::ReflectionImage& image);
+  void prepare(const gl::Functions& gl, const LightImage& image);
   void abandon();
   uint64_t bytes() const { return uint64_t{8} * now_.width * now_.height; }
   uint32_t id() const { return now_.texture.id(); }
@@ -27,7 +33,7 @@ class ReflectionTexture {
   struct Storage {
     gl::Texture texture;
     uint32_t width = 0, height = 0;
-    bool fits(const rt::ReflectionImage& image) const { return width == image.width && height == image.height; }
+    bool fits(const LightImage& image) const { return width == image.width && height == image.height; }
   };
   Storage now_, next_;
   TextureUpload upload_;

@@ -1,4 +1,4 @@
-#include "bridge/jobs/reflections/reflection_texture.h"
+#include "bridge/jobs/light_texture.h"
 
 #include <utility>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace sideray::bridge {
 
-void ReflectionTexture::prepare(const gl::Functions& gl, const rt::ReflectionImage& image) {
+void LightTexture::prepare(const gl::Functions& gl, const LightImage& image) {
   if (now_.fits(image) || next_.fits(image)) return;
   next_ = {};
   Storage made{gl::Texture(gl), image.width, image.height};
@@ -20,12 +20,12 @@ void ReflectionTexture::prepare(const gl::Functions& gl, const rt::ReflectionIma
   gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA16F, static_cast<GLsizei>(image.width), static_cast<GLsizei>(image.height), 0,
                 GL_RGBA, GL_HALF_FLOAT, nullptr);
   if (gl.GetError() != GL_NO_ERROR)
-    fail(SIDERAY_OUT_OF_MEMORY, "reflections of {}x{}: the driver has no room; lower the resolution", image.width,
-         image.height);
+    fail(SIDERAY_OUT_OF_MEMORY, "{} of {}x{}: the driver has no room; lower the resolution", image.what,
+         image.width, image.height);
   next_ = std::move(made);
 }
 
-uint64_t ReflectionTexture::upload(const gl::Functions& gl, const rt::ReflectionImage& image,
+uint64_t LightTexture::upload(const gl::Functions& gl, const LightImage& image,
                                    const rt::WantedTiles* wanted, const UploadWay& way) {
   prepare(gl, image);
   const bool is_new = !now_.fits(image);
@@ -36,11 +36,11 @@ uint64_t ReflectionTexture::upload(const gl::Functions& gl, const rt::Reflection
   std::vector<TexturePiece> pieces;
   for (const Rectangle& part : parts)
     pieces.push_back({GL_TEXTURE_2D, now_.texture.id(), 0, half4, part,
-                      reinterpret_cast<const std::byte*>(image.radiance.data()), image.width});
+                      reinterpret_cast<const std::byte*>(image.halfs), image.width});
   return upload_.send(gl, pieces, way);
 }
 
-void ReflectionTexture::abandon() {
+void LightTexture::abandon() {
   for (Storage* storage : {&now_, &next_}) {
     storage->texture.abandon();
     storage->width = storage->height = 0;

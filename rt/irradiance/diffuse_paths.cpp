@@ -1,0 +1,165 @@
+#include "rt/irradiance/diffuse_paths.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "rt/base/largest.h"
+#include "rt/base/sampling.h"
+#include "rt/irradiance/irradiance_request.h"
+#include "rt/shading/mirror_rays.h"
+#include "shaders/shading/shading_cpp.h"
+
+namespace sideray::rt {
+namespace {
+
+constexpr uint32_t direction_purpose = 61, roulette_purpose = 62;
+constexpr float most_reflected = 0.95f;
+constexpr float short_of_hit = 1.0f - 0x1p-16f;
+
+// What a surface reflects of light from everywhere alike.
+glm::vec3 albedo_of(const SurfacePoint& p) {
+  const shading::SrSurface& s = p.surface;
+  const float n_v = std::abs(glm::dot(s.normal, p.to_eye));
+  const glm::vec3 base = s.diffuse * shading::sr_diffuse_share(s, n_v) + shading::sr_specular_albedo(s);
+  return glm::clamp((base * s.below_sheen + s.sheen * s.sheen_albedo) * (1.0f - s.coat_share) + s.coat_share, 0.0f,
+                    most_reflected);
+}
+
+}  // namespace
+
+void DiffusePaths::begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, SecondaryHitShader* host) {
+  scene_ = &scene;
+  intersector_ = &intersector;
+  shadows_ = shadows;
+  host_ = host;
+  has_sky_ = !scene.snapshot->environment->black;
+  rays = rays_shadow = 0;
+  batch_.begin(scene, intersector.isa());
+  light_.begin(scene, intersector);
+  straight_.begin(scene, intersector);
+}
+
+void DiffusePaths::follow(std::span<const Ray> first, std::span<const Cone> cones, std::span<const uint32_t> keys,
+                          glm::vec3* radiance, float* nearness) {
+  std::fill_n(radiance, first.size(), glm::vec3(0.0f));
+  std::fill_n(nearness, first.size(), 0.0f);
+  paths_.clear();
+  for (uint32_t i = 0; i < first.size(); ++i) paths_.push_back({i, glm::vec3(1.0f), keys[i]});
+  rays_.assign(first.begin(), first.end());
+  cones_.assign(cones.begin(), cones.end());
+  hits_.resize(rays_.size());
+  intersector_->nearest_opaque(rays_, false, hits_.data());
+  rays += rays_.size();
+  for (size_t i = 0; i < hits_.size(); ++i)
+    if (hits_[i].instance != no_instance) nearness[i] = 1.0f / std::max(static_cast<float>(hits_[i].distance), 1e-6f);
+  for (uint32_t bounce = 0; bounce < most_path_surfaces; ++bounce) {
+    drop_misses();
+    if (paths_.empty()) return;
+    if (straight_.is_tinted()) tint(rays_);
+    places_.clear();
+    for (size_t i = 0; i < paths_.size(); ++i) places_.push_back({&hits_[i], &rays_[i], cones_[i]});
+    light_of_points_.resize(paths_.size());
+    if (host_) {
+      host_->shade_secondary_hits(places_, light_of_points_.data());
+    } else {
+      points_.resize(places_.size());
+      make_surfaces(*scene_, shade_kernels(intersector_->isa().c_str()), places_, points_.data());
+      choose_ways_on(bounce);
+      find_sky();
+      shade();
+    }
+    for (size_t i = 0; i < paths_.size(); ++i) radiance[paths_[i].number] += paths_[i].through * light_of_points_[i];
+    if (host_) return;
+    go_on();
+  }
+}
+
+// Leaves the paths whose rays hit something, with their rays and hits.
+void DiffusePaths::drop_misses() {
+  size_t kept = 0;
+  for (size_t i = 0; i < paths_.size(); ++i) {
+    if (hits_[i].instance == no_instance) continue;
+    paths_[kept] = paths_[i];
+    rays_[kept] = rays_[i];
+    cones_[kept] = cones_[i];
+    hits_[kept++] = hits_[i];
+  }
+  paths_.resize(kept), rays_.resize(kept), cones_.resize(kept), hits_.resize(kept);
+}
+
+// Lets glass on the way of each path tint it.
+void DiffusePaths::tint(std::span<const Ray> ways) {
+  tinted_.assign(ways.begin(), ways.end());
+  for (size_t i = 0; i < tinted_.size(); ++i) tinted_[i].t_far = static_cast<float>(hits_[i].distance) * short_of_hit;
+  straight_.follow(tinted_);
+  for (size_t i = 0; i < tinted_.size(); ++i) paths_[i].through *= straight_.through(i);
+}
+
+// Draws where each path goes on, and whether it does.
+void DiffusePaths::choose_ways_on(uint32_t bounce) {
+  next_.clear(), next_points_.clear(), reflected_.clear(), ends_.clear(), end_points_.clear();
+  for (uint32_t i = 0; i < paths_.size(); ++i) {
+    const SurfacePoint& p = points_[i];
+    const uint32_t key = random_key({paths_[i].key, direction_purpose, bounce});
+    const glm::vec2 u(unit_float(key), unit_float(hash_bits(key)));
+    const Ray ray{start_of_ray(p), 0.0f, frame_about(p.geometric_normal) * sample_cosine(u), farthest};
+    const glm::vec3 albedo = albedo_of(p);
+    const float chance = largest(albedo);
+    if (unit_float(random_key({paths_[i].key, roulette_purpose, bounce})) < chance && bounce + 1 < most_path_surfaces) {
+      next_.push_back(ray);
+      next_points_.push_back(i);
+      reflected_.push_back(albedo / chance);
+    } else if (has_sky_) {
+      ends_.push_back(ray);
+      end_points_.push_back(i);
+    }
+  }
+}
+
+// Finds out whether the ways on leave the scene.
+void DiffusePaths::find_sky() {
+  open_.assign(paths_.size(), 0);
+  next_hits_.resize(next_.size());
+  intersector_->nearest_opaque(next_, false, next_hits_.data());
+  hidden_.resize(ends_.size());
+  if (!ends_.empty()) intersector_->occluded(ends_, false, hidden_.data(), OpaqueSet::occludes_sky);
+  rays += next_.size() + ends_.size();
+  for (size_t i = 0; i < next_.size(); ++i) open_[next_points_[i]] = next_hits_[i].instance == no_instance;
+  for (size_t i = 0; i < ends_.size(); ++i) open_[end_points_[i]] = hidden_[i] == 0;
+}
+
+void DiffusePaths::shade() {
+  batch_.load(points_);
+  if (has_sky_) {
+    batch_.reflect_environment();
+    const std::span<AroundBlock> around = batch_.around();
+    for (size_t i = 0; i < points_.size(); ++i) {
+      if (open_[i]) continue;
+      AroundBlock& a = around[i / block_size];
+      for (BlockRow* rows : {a.irradiance, a.behind, a.specular, a.coat}) set_vector(*reinterpret_cast<BlockRow(*)[3]>(rows), i % block_size, glm::vec3(0.0f));
+    }
+  }
+  batch_.finish(light_of_points_.data());
+  // One ray stands for all lights of a point.
+  constexpr LightOdds odds{0.0f, std::numeric_limits<float>::max()};
+  light_.clear();
+  for (size_t b = 0; b < batch_.blocks(); ++b) light_.draw(batch_, b, odds, nullptr);
+  if (shadows_) rays_shadow += light_.rays();
+  light_.add(shadows_ ? intersector_ : nullptr, light_of_points_.data());
+}
+
+// The rays that go on become those of the paths that are left.
+void DiffusePaths::go_on() {
+  size_t kept = 0;
+  for (size_t i = 0; i < next_.size(); ++i) {
+    Path path = paths_[next_points_[i]];
+    path.through *= reflected_[i];
+    cones_[kept] = points_[next_points_[i]].cone;
+    paths_[kept++] = path;
+  }
+  paths_.resize(kept), cones_.resize(kept);
+  std::swap(rays_, next_);
+  std::swap(hits_, next_hits_);
+}
+
+}  // namespace sideray::rt

@@ -1,0 +1,54 @@
+// What is known of a picture's cells of 2x2 pixels, one of which is traced. Plain memory; different cells may be written at the
+// same time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+namespace sideray::rt {
+
+inline constexpr uint32_t cell_side = 2;  // pixels
+
+// The surface that a cell's traced pixel shows.
+struct CellPlace {
+  glm::vec3 position{0.0f}, normal{0.0f};
+  float width = 0.0f;  // of a pixel there, world units; 0: nothing is drawn
+};
+
+// Means over a cell's samples.
+struct CellLight {
+  glm::vec3 light{0.0f};  // from surfaces; and `tint` of directions in which the sky is seen
+  // By how much the sky's light from a direction drawn by it differs from that of the mean colour: 0 on average, so that what
+  // is seen of it and the product of both means are two estimates whose errors cancel (a control variate).
+  glm::vec3 tint{0.0f};
+  float open = 0.0f;      // share of those directions in which the sky is seen
+  float nearness = 0.0f;  // 1 / distance of what paths hit first
+  float samples = 0.0f;   // how many there are
+
+  void add(const CellLight& sample) {
+    samples += 1.0f;
+    const float share = 1.0f / samples;
+    light += (sample.light - light) * share;
+    tint += (sample.tint - tint) * share;
+    open += (sample.open - open) * share;
+    nearness += (sample.nearness - nearness) * share;
+  }
+};
+
+struct IrradianceCells {
+  uint32_t columns = 0, rows = 0;
+  std::vector<CellPlace> places;
+  std::vector<CellLight> lights;
+
+  void fit(uint32_t width, uint32_t height) {
+    columns = (width + cell_side - 1) / cell_side;
+    rows = (height + cell_side - 1) / cell_side;
+    places.resize(size());
+    lights.resize(size());
+  }
+  size_t size() const { return size_t{columns} * rows; }
+};
+
+}  // namespace sideray::rt

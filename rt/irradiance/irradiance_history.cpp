@@ -1,0 +1,58 @@
+#include "rt/irradiance/irradiance_history.h"
+
+#include <algorithm>
+
+#include "rt/base/pixels.h"
+#include "rt/scene/scene_difference.h"
+
+namespace sideray::rt {
+namespace {
+
+// More samples say little more; and where something moves, what it threw light on has to follow.
+constexpr float most_samples_still = 64.0f, most_samples_moving = 8.0f;
+constexpr float same_facing = 0.9f;  // cosine
+
+}  // namespace
+
+void IrradianceHistory::begin(const IrradianceRequest& r, TracedScene& scene) {
+  std::shared_ptr<const model::Snapshot> committed = scene.committed();
+  again_ = r.sequence == SequenceStep::again && width_ == r.width && height_ == r.height && number_ > 0;
+  if (again_) return;
+  follows_ = known_ && r.sequence != SequenceStep::first && r.width == width_ && r.height == height_ &&
+             r.shadows == shadows_ && differ_in_places_only(*committed_, *committed);
+  most_samples_ = committed_ == committed ? most_samples_still : most_samples_moving;
+  known_ = false;
+  std::swap(before_, after_);
+  number_ = follows_ ? number_ + 1 : 1;
+  if (!follows_) turns_.assign(size_t{tile_count(r.width)} * tile_count(r.height), 0);
+  trail_.begin(r.view, r.depth, {r.width, r.height}, scene.shading().snapshot->origin, follows_, scene.executor());
+  width_ = r.width, height_ = r.height, shadows_ = r.shadows;
+  committed_ = std::move(committed);
+}
+
+void IrradianceHistory::look_back(size_t tile, const std::vector<glm::u16vec2>& pixels, IrradianceCells& cells) const {
+  constexpr uint32_t across = frame_tile_size / cell_side;
+  const uint32_t columns = tile_count(width_);
+  const uint32_t x0 = static_cast<uint32_t>(tile % columns) * across, y0 = static_cast<uint32_t>(tile / columns) * across;
+  for (uint32_t y = y0; y < std::min(y0 + across, cells.rows); ++y)
+    for (uint32_t x = x0; x < std::min(x0 + across, cells.columns); ++x) {
+      const size_t cell = size_t{y} * cells.columns + x;
+      cells.lights[cell] = {};
+      if (!follows_ || !(cells.places[cell].width > 0.0f)) continue;
+      PixelTrail::Row from;
+      trail_.look_back(pixels[cell].x, pixels[cell].y, 1, from);
+      if (from[0] == PixelTrail::nowhere) continue;
+      const size_t then = size_t{from[0] / width_ / cell_side} * cells.columns + from[0] % width_ / cell_side;
+      if (glm::dot(before_.places[then].normal, cells.places[cell].normal) < same_facing) continue;
+      cells.lights[cell] = before_.lights[then];
+      cells.lights[cell].samples = std::min(cells.lights[cell].samples, most_samples_);
+    }
+}
+
+void IrradianceHistory::end(const IrradianceCells& cells) {
+  if (again_) return;
+  after_ = cells;
+  known_ = true;
+}
+
+}  // namespace sideray::rt

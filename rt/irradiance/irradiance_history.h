@@ -1,0 +1,47 @@
+// Adds up the samples of a sequence's frames: a cell goes on with the mean that its surface had in the frame before, wherever
+// the camera has gone. One object a sequence. One thread begins and ends a frame; any may look back.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "model/snapshot.h"
+#include "rt/history/pixel_trail.h"
+#include "rt/irradiance/irradiance_cells.h"
+#include "rt/irradiance/irradiance_request.h"
+#include "rt/scene/traced_scene.h"
+
+namespace sideray::rt {
+
+class IrradianceHistory {
+ public:
+  // Learns of a frame. One that follows none, or another light, material or surrounding, leaves nothing. One that stands for the
+  // last one (`again`) knows what that knew.
+  void begin(const IrradianceRequest& request, TracedScene& scene);
+  // Nothing is known any longer.
+  void forget() { known_ = false; }
+
+  // Returns how many frames the sequence has, this one included, since something was known last.
+  uint32_t frame() const { return number_; }
+  // In which frame each tile was traced last, 0 = never.
+  const std::vector<uint32_t>& turns() const { return turns_; }
+  void traced(size_t tile) { turns_[tile] = number_; }
+  // Writes what is known of the cells of a tile whose places are known: no samples where nothing is.
+  void look_back(size_t tile, const std::vector<glm::u16vec2>& pixels, IrradianceCells& cells) const;
+  // Learns what is known after the frame.
+  void end(const IrradianceCells& cells);
+
+ private:
+  bool known_ = false, follows_ = false;
+  float most_samples_ = 0.0f;
+  uint32_t width_ = 0, height_ = 0, number_ = 0;
+  bool shadows_ = false;
+  std::shared_ptr<const model::Snapshot> committed_;
+  PixelTrail trail_;
+  bool again_ = false;
+  IrradianceCells before_, after_;  // what is known before the frame, and after it
+  std::vector<uint32_t> turns_;
+};
+
+}  // namespace sideray::rt

@@ -1,0 +1,38 @@
+// Traces the light that other surfaces throw on a frame's opaque pixels: one path from one pixel of each cell of 2x2, added up
+// over frames and filtered. Keeps its memory from frame to frame. One call at a time. Pixels: row 0 is the bottom row.
+#pragma once
+
+#include <vector>
+
+#include "rt/base/counters.h"
+#include "rt/base/trace_end.h"
+#include "rt/base/view_rays.h"
+#include "rt/irradiance/irradiance_cells.h"
+#include "rt/irradiance/irradiance_filter.h"
+#include "rt/irradiance/irradiance_request.h"
+#include "rt/scene/traced_scene.h"
+
+namespace sideray::rt {
+
+class IrradianceTracing {
+ public:
+  explicit IrradianceTracing(uint32_t threads);
+  ~IrradianceTracing();
+  // Throws Failure.
+  Counters trace(const IrradianceRequest& request, TracedScene& scene, IrradianceImage& image);
+
+ private:
+  struct Worker;  // memory of one thread, kept from frame to frame
+  struct Frame;
+  void find_places(const Frame& frame, Worker& worker, uint32_t tile);
+  void see_sky(const Frame& frame, Worker& worker);
+  TraceEnd trace_tile(const Frame& frame, Worker& worker, uint32_t tile);
+  void count_left(const Frame& frame, Worker& worker, uint32_t tile) const;
+
+  std::vector<Worker> workers_;
+  IrradianceCells cells_;
+  std::vector<glm::u16vec2> pixels_;  // of each cell, the one that is traced
+  IrradianceFilter filter_;
+};
+
+}  // namespace sideray::rt
