@@ -99,9 +99,14 @@ struct SrFixedLight {
   one_real local_viewer;  // 0 or 1
 };
 
-// x^y for x > 0, and 0 for others unless y is 0.
+// x^y for x of 0 to 1, to 1e-4: 0 for x = 0 unless y is 0. By the logarithm of the eighth root of x.
 SR_FN real sr_fixed_power(real x, real y) {
-  real power = exp(log(max(x, real(1e-30f))) * y);
+  real root = sqrt(sqrt(sqrt(max(x, real(1e-30f)))));
+  real w = (root - 1.0f) / (root + 1.0f);
+  real w2 = w * w;
+  real series =
+      1.0f + w2 * (0.333333333f + w2 * (0.2f + w2 * (0.142857143f + w2 * (0.111111111f + w2 * 0.0909090909f))));
+  real power = sr_faded(max(w * series * y * -16.0f, real(0.0f)));
   return sr_select(x > 0.0f || y == 0.0f, power, real(0.0f));
 }
 
