@@ -45,7 +45,9 @@ sideray_view view_of_matrices(const double* projection, const double* modelview)
   if (modelview[3] != 0.0 || modelview[7] != 0.0 || modelview[11] != 0.0 || modelview[15] == 0.0)
     fail(SIDERAY_INVALID_ARGUMENT, "view modelview: its last row is not 0, 0, 0, 1, so that it is transposed, or not the "
                                    "matrix of a camera; entries 12 to 14 hold what it moves by");
-  if (projection[3] != 0.0 || projection[7] != 0.0 || (projection[11] == 0.0) == (projection[15] == 0.0))
+  const bool perspective = std::abs(projection[11]) == 1.0 && projection[15] == 0.0;
+  const bool parallel = projection[11] == 0.0 && projection[15] != 0.0;
+  if (projection[3] != 0.0 || projection[7] != 0.0 || !(perspective || parallel))
     fail(SIDERAY_INVALID_ARGUMENT, "view projection: its last row says neither a perspective nor a parallel view, so that it "
                                    "is transposed, or already multiplied by another; a perspective has -1 or 1 in entry 11");
   const glm::dmat4 clip_from_world = glm::make_mat4(projection) * glm::make_mat4(modelview);

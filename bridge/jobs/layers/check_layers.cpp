@@ -101,7 +101,7 @@ void check_layer_shader(const sideray_layer_inputs& in) {
     fail(SIDERAY_INVALID_ARGUMENT,
          "layers light_samples {}: the scene has a shader of the host, which says itself what its light is; give 0",
          in.light_samples);
-  if (in.mode == SIDERAY_COMPOSITE && in.particles)
+  if (in.particles)
     fail(SIDERAY_INVALID_ARGUMENT,
          "layers particles: the scene has a shader of the host, which sprites are not for; leave them to the "
          "rasterizer");

@@ -119,6 +119,7 @@ rt::Counters LayerJob::trace_composite(const JobFrame& frame, const TraceInput& 
 }
 
 void LayerJob::prepare(const gl::Functions& gl, const JobFrame& frame) {
+  float_ids_ = encoding_of(gl, frame).float_ids;
   if (caches(frame.inputs))
     cache_textures_.prepare(gl, cache_, encoding_of(gl, frame));
   else
@@ -153,7 +154,7 @@ void LayerJob::publish(const JobFrame& frame) {
               .whole_radiance_texture = caches_ ? cache_textures_.whole_radiance() : 0,
               .whole_transmittance_texture = caches_ ? cache_textures_.whole_transmittance() : 0};
   lookup_ = {in.match, in.match_threshold, in.cache_rate, in.refraction != 0, caches_ && older_.has_moved(),
-             frame.multisampled};
+             frame.multisampled, float_ids_};
 }
 
 // Tiles that were traced but not uploaded must not be taken for unchanged.
