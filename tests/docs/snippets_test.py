@@ -10,7 +10,7 @@ import subprocess
 import sys
 import tempfile
 
-PAGES = ("README.md", "docs/embedding.md", "docs/migrating-0.2.md")
+PAGES = ("README.md", "docs/embedding.md", "docs/fixed-function.md", "docs/migrating-0.2.md")
 LANGUAGES = {"c": ["-std=c99", "-xc"], "cpp": ["-std=c++20", "-xc++"]}
 WARNINGS = ["-Wall", "-Wextra", "-Werror", "-Wno-unused-variable", "-Wno-unused-but-set-variable", "-Wno-unused-function"]
 BLOCK = re.compile(r"^( *)```(c|cpp)\n(.*?)^ *```$", re.MULTILINE | re.DOTALL)
