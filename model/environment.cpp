@@ -331,4 +331,12 @@ std::shared_ptr<const Environment> build_environment(uint32_t width, uint32_t he
   return environment;
 }
 
+std::shared_ptr<const Environment> encoded_environment(const Environment& linear, sideray_radiance_space space) {
+  auto encoded = std::make_shared<Environment>(linear);
+  for (Environment::Image& level : encoded->specular)
+    for (glm::vec3& texel : level.texels)
+      for (int c = 0; c < 3; ++c) texel[c] = encode_radiance(texel[c], space, 1.0f);
+  return encoded;
+}
+
 }  // namespace sideray::model

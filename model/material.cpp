@@ -112,6 +112,54 @@ void check_material(const sideray_material_desc& d) {
   for (const MaterialSlot& s : material_slots) check_slot(d.*s.slot, s.name);
 }
 
+void check_fixed_color(const float (&color)[3], const char* what) {
+  for (const float c : color)
+    if (!(c >= 0.0f && c <= largest_factor))
+      fail(SIDERAY_INVALID_ARGUMENT, "{} holds {}: out of range; give 0 to 1e15", what, c);
+}
+
+void check_fixed_exponent(float exponent, const char* what) {
+  if (!(exponent >= 0.0f && exponent <= 128.0f))
+    fail(SIDERAY_INVALID_ARGUMENT, "{} is {}: out of range; give 0 to 128", what, exponent);
+}
+
+void check_fixed_material(const sideray_fixed_material& m) {
+  check_fixed_color(m.ambient, "fixed material ambient");
+  check_fixed_color(m.diffuse, "fixed material diffuse");
+  check_fixed_color(m.specular, "fixed material specular");
+  check_fixed_color(m.emission, "fixed material emission");
+  check_fixed_exponent(m.shininess, "fixed material shininess");
+  for (const float r : m.reflectance)
+    if (!(r >= 0.0f && r <= 1.0f))
+      fail(SIDERAY_INVALID_ARGUMENT, "fixed material reflectance holds {}: out of range; give 0 to 1", r);
+  if (m.follows_color & ~15u)
+    fail(SIDERAY_INVALID_ARGUMENT, "fixed material follows_color {:#x}: give SIDERAY_FOLLOW_*", m.follows_color);
+  if (const auto e = static_cast<int>(m.environment); e < SIDERAY_ENVIRONMENT_MODULATE || e > SIDERAY_ENVIRONMENT_ADD)
+    fail(SIDERAY_INVALID_ARGUMENT, "fixed material environment {}: give a sideray_texture_environment", e);
+}
+
+sideray_fixed_material fixed_material_of(const sideray_material_desc& desc) {
+  sideray_fixed_material m{};
+  for (int c = 0; c < 3; ++c) {
+    m.ambient[c] = m.diffuse[c] = desc.base_color[c];
+    m.emission[c] = desc.emissive[c];
+  }
+  return m;
+}
+
+void apply_fixed_material(const sideray_fixed_material& fixed, Material& material) {
+  material.fixed = fixed;
+  const bool textured = material.desc.base_color_texture.texture != 0;
+  const bool replaces = textured && fixed.environment == SIDERAY_ENVIRONMENT_REPLACE;
+  const bool decal = textured && fixed.environment == SIDERAY_ENVIRONMENT_DECAL;
+  material.without_factor_alpha = replaces;
+  material.without_vertex_alpha = replaces || (!material.desc.unlit && !(fixed.follows_color & SIDERAY_FOLLOW_DIFFUSE));
+  material.without_texel_alpha = decal;
+  if (!material.without_vertex_alpha && !material.desc.unlit) material.desc.base_color[3] = 1.0f;
+  // Their rows hold the vertices' colours.
+  material.desc.diffuse_transmission_texture.texture = material.desc.diffuse_transmission_color_texture.texture = 0;
+}
+
 bool is_translucent(const sideray_material_desc& d) {
   return d.alpha_mode == SIDERAY_BLEND || d.transmission > 0.0f;
 }

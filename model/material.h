@@ -15,6 +15,15 @@ sideray_material_desc default_material();
 // Throws Failure (INVALID_ARGUMENT) that names the field. Whether its textures exist is checked by the scene.
 void check_material(const sideray_material_desc& desc);
 
+// The same of the fixed function's numbers: colours, and exponents of highlights and spots.
+void check_fixed_color(const float (&color)[3], const char* what);
+void check_fixed_exponent(float exponent, const char* what);
+void check_fixed_material(const sideray_fixed_material& material);
+// Returns what is read of a material that was never given any: its base colour is lit, and its emissive colour added.
+sideray_fixed_material fixed_material_of(const sideray_material_desc& desc);
+// Sets what the fixed function makes of the material's alpha, and takes away textures that it does not read.
+void apply_fixed_material(const sideray_fixed_material& fixed, Material& material);
+
 // Returns whether its surfaces are drawn as translucent ones: BLEND, or transmission above 0.
 bool is_translucent(const sideray_material_desc& desc);
 // Returns whether the surfaces of an instance take from light that goes through them to what is behind: the shadow of glass.

@@ -29,6 +29,13 @@ bool finite(const Vector<N>& v) {
   return true;
 }
 
+// Returns the bytes of a vertex's colour as 0..1.
+glm::vec4 read_bytes(const sideray_mesh_desc& d, size_t vertex) {
+  const uint8_t* bytes = d.color_bytes + vertex * (d.color_bytes_stride ? d.color_bytes_stride : 4);
+  const glm::vec4 color = glm::vec4(bytes[0], bytes[1], bytes[2], bytes[3]) / 255.0f;
+  return d.color_bytes_bgra ? glm::vec4(color.z, color.y, color.x, color.w) : color;
+}
+
 // The range holds for attributes as for coordinates: products of two stay inside the range of floats.
 template <int N>
 bool in_range(const Vector<N>& v) {
@@ -61,6 +68,11 @@ void check_attributes(const sideray_mesh_desc& d) {
   check_attribute(d.uv0, "uv0", 2);
   check_attribute(d.uv1, "uv1", 2);
   check_attribute(d.colors, "colors", 4);
+  if (d.colors.data && d.color_bytes)
+    fail(SIDERAY_INVALID_ARGUMENT, "mesh colors: given as floats and as bytes; leave one of them out");
+  if (d.color_bytes_stride != 0 && d.color_bytes_stride < 4)
+    fail(SIDERAY_INVALID_ARGUMENT, "mesh color_bytes_stride: {} bytes is below the 4 of one colour; give 0 or more",
+         d.color_bytes_stride);
 }
 
 void check(const sideray_mesh_desc& d) {
@@ -70,12 +82,15 @@ void check(const sideray_mesh_desc& d) {
   if (d.index_count % 3 != 0 || (d.index_count == 0 && d.vertex_count % 3 != 0))
     fail(SIDERAY_INVALID_ARGUMENT, "mesh: {} indices over {} vertices are not whole triangles", d.index_count,
          d.vertex_count);
-  if (d.index_count != 0 && !d.indices)
+  if (d.indices && d.short_indices)
+    fail(SIDERAY_INVALID_ARGUMENT, "mesh indices: given with 32 bits and with 16; leave one of them out");
+  if (d.index_count != 0 && !d.indices && !d.short_indices)
     fail(SIDERAY_INVALID_ARGUMENT, "mesh indices: NULL, although index_count is {}", d.index_count);
 }
 
 glm::uvec3 corner_indices(const sideray_mesh_desc& d, uint32_t triangle) {
   const uint32_t first = 3 * triangle;
+  if (d.short_indices) return {d.short_indices[first], d.short_indices[first + 1], d.short_indices[first + 2]};
   if (!d.indices) return {first, first + 1, first + 2};
   return {d.indices[first], d.indices[first + 1], d.indices[first + 2]};
 }
@@ -175,7 +190,8 @@ void fill_attributes(const sideray_mesh_desc& d, Mesh& mesh) {
   mesh.uv0 = read_all<2>(d.uv0, d.vertex_count, glm::vec2(0));
   mesh.uv1 = read_all<2>(d.uv1, d.vertex_count, glm::vec2(0));
   mesh.colors = read_all<4>(d.colors, d.vertex_count, glm::vec4(1));
-  mesh.has_colors = d.colors.data != nullptr;
+  for (size_t i = 0; d.color_bytes && i < d.vertex_count; ++i) mesh.colors[i] = read_bytes(d, i);
+  mesh.has_colors = d.colors.data || d.color_bytes;
   if (mesh.has_colors)
     for (const glm::vec4& c : mesh.colors) mesh.minimum_alpha = std::min(mesh.minimum_alpha, c.w);
   if (d.normals.data)

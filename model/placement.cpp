@@ -5,6 +5,7 @@
 
 #include "elementary/functions.h"
 #include "model/failure.h"
+#include "model/material.h"
 #include "model/wind.h"
 
 namespace sideray::model {
@@ -13,6 +14,7 @@ namespace {
 // Factors and intensities are at most this, so that their products stay in the range of floats.
 constexpr float largest_factor = 1e15f;
 constexpr double origin_step = 1024.0;
+constexpr float shines_all_around = -2.0f;  // below each cosine
 
 glm::dmat4x3 affine(const double* columns) {
   glm::dmat4x3 m;
@@ -41,6 +43,64 @@ glm::mat3 normal_map(const glm::dmat3& linear) {
   for (int c = 0; c < 3; ++c)
     for (int r = 0; r < 3; ++r) largest = std::max(largest, std::abs(map[c][r]));
   return glm::mat3(map * std::ldexp(1.0, -std::ilogb(largest)));
+}
+
+glm::vec3 vector(const float (&v)[3]) {
+  return {v[0], v[1], v[2]};
+}
+
+bool has_place(const sideray_fixed_light& l) {
+  return l.position[3] != 0.0;
+}
+
+bool is_spot(const sideray_fixed_light& l) {
+  return has_place(l) && l.spot_cutoff_deg < 180.0f;
+}
+
+void check_place(const sideray_fixed_light& l, size_t index) {
+  const glm::dvec3 xyz(l.position[0], l.position[1], l.position[2]);
+  const double most = has_place(l) ? 1e15 * std::abs(l.position[3]) : 1e15;
+  for (const double p : l.position)
+    if (!std::isfinite(p) || !(std::abs(p) <= std::max(most, 1e15)))
+      fail(SIDERAY_INVALID_ARGUMENT, "fixed light {}: position must be finite and xyz / w at most 1e15", index);
+  if (!has_place(l) && !(glm::length(xyz) > 1e-12))
+    fail(SIDERAY_INVALID_ARGUMENT, "fixed light {}: position w is 0 and xyz no direction; give the way to the light", index);
+}
+
+void check_fixed_light(const sideray_fixed_light& l, size_t index) {
+  check_fixed_color(l.ambient, "fixed light ambient");
+  check_fixed_color(l.diffuse, "fixed light diffuse");
+  check_fixed_color(l.specular, "fixed light specular");
+  check_place(l, index);
+  check_fixed_exponent(l.spot_exponent, "fixed light spot_exponent");
+  if (!(l.spot_cutoff_deg == 180.0f || (l.spot_cutoff_deg >= 0.0f && l.spot_cutoff_deg <= 90.0f)))
+    fail(SIDERAY_INVALID_ARGUMENT, "fixed light {}: spot_cutoff_deg is {}; give 0 to 90, or 180", index, l.spot_cutoff_deg);
+  const float axis = glm::length(vector(l.spot_direction));
+  if (is_spot(l) && !(axis > 1e-12f && std::isfinite(axis)))
+    fail(SIDERAY_INVALID_ARGUMENT, "fixed light {}: spot_direction must be finite and not zero", index);
+  float sum = 0.0f;
+  for (const float a : {l.constant_attenuation, l.linear_attenuation, l.quadratic_attenuation}) {
+    if (!(a >= 0.0f && a <= largest_factor))
+      fail(SIDERAY_INVALID_ARGUMENT, "fixed light {}: an attenuation is {}; give 0 to 1e15", index, a);
+    sum += a;
+  }
+  if (!(sum > 0.0f))
+    fail(SIDERAY_INVALID_ARGUMENT, "fixed light {}: all its attenuations are 0; OpenGL's constant one is 1", index);
+}
+
+FixedLight local_fixed_light(const sideray_fixed_light& l, glm::dvec3 origin) {
+  FixedLight light{};
+  const glm::dvec3 xyz(l.position[0], l.position[1], l.position[2]);
+  light.distant = !has_place(l);
+  light.place = glm::vec3(light.distant ? glm::normalize(xyz) : xyz / l.position[3] - origin);
+  light.ambient = vector(l.ambient), light.diffuse = vector(l.diffuse), light.specular = vector(l.specular);
+  light.axis = is_spot(l) ? glm::normalize(vector(l.spot_direction)) : glm::vec3(0, 0, -1);
+  light.exponent = is_spot(l) ? l.spot_exponent : 0.0f;
+  light.cos_cutoff = is_spot(l) ? elementary::cos(glm::radians(l.spot_cutoff_deg)) : shines_all_around;
+  light.attenuation = light.distant ? glm::vec3(1, 0, 0)
+                                    : glm::vec3(l.constant_attenuation, l.linear_attenuation, l.quadratic_attenuation);
+  light.casts_shadows = l.casts_shadows != 0;
+  return light;
 }
 
 }  // namespace
@@ -125,6 +185,24 @@ Light local_light(const sideray_light& l, glm::dvec3 origin) {
   light.filter_radius = l.shadow_filter_radius == 0.0f ? 32.0f : l.shadow_filter_radius;
   light.filter_frames = l.shadow_filter_frames == 0 ? 8 : l.shadow_filter_frames;
   return light;
+}
+
+void check_fixed_function(const FixedDesc& model) {
+  check_fixed_color(model.desc.ambient, "fixed function ambient");
+  for (size_t i = 0; i < model.lights.size(); ++i) check_fixed_light(model.lights[i], i);
+  if (const auto space = static_cast<int>(model.desc.radiance_space);
+      space < SIDERAY_SPACE_LINEAR || space > SIDERAY_SPACE_GAMMA22)
+    fail(SIDERAY_INVALID_ARGUMENT, "fixed function radiance_space {}: give a sideray_radiance_space", space);
+}
+
+FixedFunction local_fixed_function(const FixedDesc& model, glm::dvec3 origin) {
+  FixedFunction fixed{};
+  for (const sideray_fixed_light& light : model.lights) fixed.lights.push_back(local_fixed_light(light, origin));
+  fixed.ambient = vector(model.desc.ambient);
+  fixed.local_viewer = model.desc.local_viewer != 0;
+  fixed.two_sided = model.desc.two_sided != 0;
+  fixed.separate_specular = model.desc.separate_specular != 0;
+  return fixed;
 }
 
 }  // namespace sideray::model

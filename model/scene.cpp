@@ -157,7 +157,7 @@ void Scene::count_users(const sideray_material_desc& desc, int change) {
 uint32_t Scene::add_material(const sideray_material_desc& d) {
   check_material(d);
   check_textures(d);
-  const uint32_t material = materials_.add({d, 0});
+  const uint32_t material = materials_.add({d, 0, {}});
   count_users(d, 1);
   return material;
 }
@@ -309,8 +309,11 @@ void Scene::set_environment(uint32_t width, uint32_t height, const float* rgb, f
 void Scene::set_shader(const sideray_shader_desc* shader) {
   if (!shader) {
     shader_ = {};
+    shader_use_.reset();
     return;
   }
+  if (fixed_)
+    fail(SIDERAY_INVALID_ARGUMENT, "shader: the scene is shaded by the fixed function; take that away first, or leave one out");
   if (!shader->shade)
     fail(SIDERAY_INVALID_ARGUMENT, "shader shade: NULL; give a function, or no shader for the built-in model");
   if (const int thread = number_of(shader->thread);
@@ -322,7 +325,23 @@ void Scene::set_shader(const sideray_shader_desc* shader) {
   if (!(shader->radiance_scale > 0.0f && std::isfinite(shader->radiance_scale)))
     fail(SIDERAY_INVALID_ARGUMENT, "shader radiance_scale is {}: out of range; give a finite factor above 0",
          double{shader->radiance_scale});
+  shader_use_ = shader->release ? std::shared_ptr<const void>(shader->user, shader->release) : nullptr;
   shader_ = *shader;
+}
+
+void Scene::set_fixed_function(const FixedDesc* model) {
+  if (!model) return fixed_.reset();
+  if (shader_.shade)
+    fail(SIDERAY_INVALID_ARGUMENT, "fixed function: the scene has a shader of the host; take that away first, or leave one out");
+  check_fixed_function(*model);
+  fixed_ = *model;
+}
+
+void Scene::set_fixed_material(uint32_t material, const sideray_fixed_material* fixed) {
+  SceneMaterial& current = material_named(material);
+  if (!fixed) return current.fixed.reset();
+  check_fixed_material(*fixed);
+  current.fixed = *fixed;
 }
 
 const std::shared_ptr<const Environment>& Scene::environment() {
@@ -336,7 +355,8 @@ bool Scene::is_solid(SceneMesh& mesh, const sideray_material_desc& material) {
   return *mesh.closed;
 }
 
-Material Scene::placed_material(const sideray_material_desc& desc, const Places& places) const {
+Material Scene::placed_material(const SceneMaterial& material, const Places& places) const {
+  const sideray_material_desc& desc = material.desc;
   sideray_material_desc placed = desc;
   for (const MaterialSlot& s : material_slots)
     if (uint32_t& texture = (placed.*s.slot).texture; texture != 0) texture = places.textures[texture] + 1;
@@ -344,7 +364,9 @@ Material Scene::placed_material(const sideray_material_desc& desc, const Places&
     const SceneTexture* found = textures_.find(slot.texture);
     return found ? found->texture.get() : nullptr;
   };
-  return make_material(placed, texture_of(desc.base_color_texture), texture_of(desc.metallic_roughness_texture));
+  Material made = make_material(placed, texture_of(desc.base_color_texture), texture_of(desc.metallic_roughness_texture));
+  if (fixed_) apply_fixed_material(material.fixed.value_or(fixed_material_of(desc)), made);
+  return made;
 }
 
 void Scene::commit_instances(const Places& places, Snapshot& snapshot) {
@@ -382,6 +404,19 @@ void Scene::commit_particles(const Places& places, Snapshot& snapshot) const {
   }
 }
 
+void Scene::commit_shading(Snapshot& snapshot) {
+  snapshot.environment = environment();
+  snapshot.shader = shader_;
+  snapshot.shader_use = shader_use_;
+  if (!fixed_) return;
+  snapshot.fixed = std::make_shared<FixedFunction>(local_fixed_function(*fixed_, snapshot.origin));
+  const sideray_radiance_space space = fixed_->desc.radiance_space;
+  if (space == SIDERAY_SPACE_LINEAR || environment_->black) return;
+  if (encoded_from_ != environment_ || encoded_space_ != space) encoded_ = encoded_environment(*environment_, space);
+  encoded_from_ = environment_, encoded_space_ = space;
+  snapshot.environment = encoded_;
+}
+
 void Scene::commit() {
   std::vector<Numbered> surfaces;
   instances_.for_each([&](uint32_t name, const sideray_instance_desc& d) {
@@ -396,15 +431,14 @@ void Scene::commit() {
   meshes_.for_each([&](uint32_t, const SceneMesh& m) { snapshot->meshes.push_back(m.mesh); });
   textures_.for_each([&](uint32_t, const SceneTexture& t) { snapshot->textures.push_back(t.texture); });
   materials_.for_each(
-      [&](uint32_t, const SceneMaterial& m) { snapshot->materials.push_back(placed_material(m.desc, places)); });
+      [&](uint32_t, const SceneMaterial& m) { snapshot->materials.push_back(placed_material(m, places)); });
   snapshot->winds = winds_;
   snapshot->time_s = time_s_;
   snapshot->previous_time_s = previous_time_s_;
   commit_instances(places, *snapshot);
   for (const sideray_light& light : lights_) snapshot->lights.push_back(local_light(light, snapshot->origin));
   commit_particles(places, *snapshot);
-  snapshot->environment = environment();
-  snapshot->shader = shader_;
+  commit_shading(*snapshot);
   snapshot->revision = ++revision_;
   const std::lock_guard lock(snapshot_mutex_);
   snapshot_ = std::move(snapshot);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "model/mesh.h"
+#include "model/placement.h"
 #include "model/slots.h"
 #include "model/snapshot.h"
 
@@ -49,6 +50,9 @@ class Scene {
   void set_lights(const sideray_light* lights, size_t count);
   void set_environment(uint32_t width, uint32_t height, const float* rgb, float scale, float rotation_deg);
   void set_shader(const sideray_shader_desc* shader);  // null: the built-in model
+  // Null: the built-in model; none of its own.
+  void set_fixed_function(const FixedDesc* model);
+  void set_fixed_material(uint32_t material, const sideray_fixed_material* fixed);
 
   void commit();
   // Returns the last committed snapshot; null before the first commit. May be called while another thread edits.
@@ -71,6 +75,7 @@ class Scene {
   struct SceneMaterial {
     sideray_material_desc desc;
     size_t users = 0;  // instances
+    std::optional<sideray_fixed_material> fixed;
   };
   struct SceneParticles {
     sideray_particles_desc desc;
@@ -94,7 +99,8 @@ class Scene {
 
   const std::shared_ptr<const Environment>& environment();
   bool is_solid(SceneMesh& mesh, const sideray_material_desc& material);
-  Material placed_material(const sideray_material_desc& desc, const Places& places) const;
+  Material placed_material(const SceneMaterial& material, const Places& places) const;
+  void commit_shading(Snapshot& snapshot);
   void commit_instances(const Places& places, Snapshot& snapshot);
   void commit_particles(const Places& places, Snapshot& snapshot) const;
 
@@ -107,7 +113,11 @@ class Scene {
   double time_s_ = 0, previous_time_s_ = 0;
   std::vector<sideray_light> lights_;
   std::shared_ptr<const Environment> environment_;
+  std::shared_ptr<const Environment> encoded_, encoded_from_;  // for the fixed function
+  sideray_radiance_space encoded_space_{};
   sideray_shader_desc shader_{};
+  std::shared_ptr<const void> shader_use_;
+  std::optional<FixedDesc> fixed_;
   uint64_t revision_ = 0;
   mutable std::mutex snapshot_mutex_;
   std::shared_ptr<const Snapshot> snapshot_;

@@ -59,6 +59,9 @@ struct Material {
   bool discards;               // an alpha below 1/255 (BLEND) or the cut-off (MASK) can occur
   bool traceable;              // translucent and not multiply: may go into layers
   bool mirrors;                // opaque, and smooth enough somewhere for rays to mirror what they hit
+  // Of the fixed function: what it reads, and which parts of alpha do not count.
+  sideray_fixed_material fixed;
+  bool without_factor_alpha, without_vertex_alpha, without_texel_alpha;
 };
 
 // Holds a sideray_wind_desc as sr_wind() of shaders/shading/wind.h takes it; object space.
@@ -90,6 +93,26 @@ struct Light {
   float filter_radius;   // pixels; not positive: its mask is not filtered
   uint32_t filter_frames;
   bool operator==(const Light&) const = default;
+};
+
+// Holds a sideray_fixed_light.
+struct FixedLight {
+  glm::vec3 place;  // local space; `distant`: the way to it, unit
+  bool distant;
+  glm::vec3 ambient, diffuse, specular;
+  glm::vec3 axis;  // unit, the way the light travels
+  float exponent, cos_cutoff;
+  glm::vec3 attenuation;  // constant, linear, quadratic
+  bool casts_shadows;
+  bool operator==(const FixedLight&) const = default;
+};
+
+// Holds the light model of the fixed function of OpenGL 1.x.
+struct FixedFunction {
+  std::vector<FixedLight> lights;
+  glm::vec3 ambient;
+  bool local_viewer, two_sided, separate_specular;
+  bool operator==(const FixedFunction&) const = default;
 };
 
 // Describes a camera-facing sprite: half the width, along the camera's x turned by the rotation; half the height.
@@ -172,6 +195,8 @@ struct Snapshot {
   std::vector<ParticleSystem> particles;
   std::shared_ptr<const Environment> environment;  // never null
   sideray_shader_desc shader{};                    // without a function: the built-in model
+  std::shared_ptr<const void> shader_use;          // released: nobody calls the shader any more
+  std::shared_ptr<const FixedFunction> fixed;      // null: the built-in model, or the shader
   Bounds bounds;
   uint64_t revision = 0;  // grows with every commit
 };

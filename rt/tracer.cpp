@@ -15,6 +15,7 @@
 #include "rt/irradiance/irradiance_tracing.h"
 #include "rt/layers/layer_check.h"
 #include "rt/masks/occlusion_masks.h"
+#include "rt/masks/surface_check.h"
 #include "rt/reference/ray_batches.h"
 #include "rt/reference/reference_tracing.h"
 #include "rt/reflections/reflection_tracing.h"
@@ -117,7 +118,9 @@ Counters Tracer::trace_composite(const LayerRequest& request, CompositeImage& im
 }
 
 Counters Tracer::trace_masks(const MaskRequest& request, OcclusionMasks& masks) {
-  return rt::trace_masks(request, state_->scene, masks);
+  Counters counters = rt::trace_masks(request, state_->scene, masks);
+  if (request.checks_surfaces) counters += check_surfaces(request, state_->scene);
+  return counters;
 }
 
 Counters Tracer::trace_reflections(const ReflectionRequest& request, ReflectionImage& image) {

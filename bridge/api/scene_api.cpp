@@ -1,4 +1,5 @@
 // sideray_scene_*: arguments in, model::Scene out.
+#include <string>
 #include <vector>
 
 #include "bridge/api/border.h"
@@ -243,20 +244,21 @@ void sideray_light_init(sideray_light* out, size_t size) {
 namespace {
 
 // The lights of an array whose elements all have the size of the first.
-std::vector<sideray_light> read_lights(const sideray_light* lights, size_t count) {
-  std::vector<sideray_light> read;
+template <typename Light>
+std::vector<Light> read_lights(const Light* lights, size_t count, const std::string& name, void (*init)(Light*, size_t)) {
+  std::vector<Light> read;
   if (count == 0) return read;
-  require(lights, "lights");
+  require(lights, (name + "s").c_str());
   sideray::model::check_light_count(count);
   const size_t stride = lights->size;
-  sideray::bridge::require_size(stride, sizeof(sideray_light), "light 0");
-  sideray::bridge::require_stride<sideray_light>(stride, "lights");
+  sideray::bridge::require_size(stride, sizeof(Light), (name + " 0").c_str());
+  sideray::bridge::require_stride<Light>(stride, (name + "s").c_str());
   read.reserve(count);
   for (size_t i = 0; i < count; ++i) {
     const void* light = reinterpret_cast<const unsigned char*>(lights) + i * stride;
-    read.push_back(read_struct(static_cast<const sideray_light*>(light), "light", sideray_light_init));
-    if (const size_t size = static_cast<const sideray_light*>(light)->size; size != stride)
-      fail(SIDERAY_INVALID_ARGUMENT, "light {}: size is {}, where light 0 has {}; give all lights the same", i, size,
+    read.push_back(read_struct(static_cast<const Light*>(light), name.c_str(), init));
+    if (const size_t size = static_cast<const Light*>(light)->size; size != stride)
+      fail(SIDERAY_INVALID_ARGUMENT, "{} {}: size is {}, where {} 0 has {}; give all lights the same", name, i, size, name,
            stride);
   }
   return read;
@@ -268,7 +270,7 @@ sideray_status sideray_scene_set_lights(sideray_scene* scene, const sideray_ligh
                                         sideray_error* error) {
   return guarded(error, [&] {
     require(scene, "scene");
-    const std::vector<sideray_light> read = read_lights(lights, count);
+    const std::vector<sideray_light> read = read_lights(lights, count, "light", sideray_light_init);
     scene->scene.set_lights(read.data(), read.size());
   });
 }
@@ -307,6 +309,52 @@ sideray_status sideray_scene_set_shader(sideray_scene* scene, const sideray_shad
     sideray::bridge::require_stride<sideray_shading_point>(desc.point_stride_bytes, "shader point_stride_bytes");
     sideray::bridge::require_stride<sideray_shading_result>(desc.result_stride_bytes, "shader result_stride_bytes");
     scene->scene.set_shader(&desc);
+  });
+}
+
+void sideray_fixed_light_init(sideray_fixed_light* out, size_t size) {
+  sideray_fixed_light l{};
+  l.position[2] = 1.0;
+  l.spot_direction[2] = -1.0f;
+  l.spot_cutoff_deg = 180.0f;
+  l.constant_attenuation = 1.0f;
+  l.casts_shadows = 1;
+  init_struct(out, size, l);
+}
+
+void sideray_fixed_material_init(sideray_fixed_material* out, size_t size) {
+  sideray_fixed_material m{};
+  for (float& c : m.ambient) c = 0.2f;
+  for (float& c : m.diffuse) c = 0.8f;
+  init_struct(out, size, m);
+}
+
+void sideray_fixed_function_init(sideray_fixed_function* out, size_t size) {
+  sideray_fixed_function f{};
+  for (float& c : f.ambient) c = 0.2f;
+  f.radiance_space = SIDERAY_SPACE_GAMMA22;
+  init_struct(out, size, f);
+}
+
+sideray_status sideray_scene_set_fixed_function(sideray_scene* scene, const sideray_fixed_function* model,
+                                                sideray_error* error) {
+  return guarded(error, [&] {
+    require(scene, "scene");
+    if (!model) return scene->scene.set_fixed_function(nullptr);
+    sideray::model::FixedDesc read{read_struct(model, "fixed function", sideray_fixed_function_init), {}};
+    read.lights = read_lights(read.desc.lights, read.desc.light_count, "fixed light", sideray_fixed_light_init);
+    read.desc.lights = nullptr;
+    scene->scene.set_fixed_function(&read);
+  });
+}
+
+sideray_status sideray_scene_set_fixed_material(sideray_scene* scene, sideray_material material,
+                                                const sideray_fixed_material* fixed, sideray_error* error) {
+  return guarded(error, [&] {
+    require(scene, "scene");
+    if (!fixed) return scene->scene.set_fixed_material(material, nullptr);
+    const sideray_fixed_material read = read_struct(fixed, "fixed material", sideray_fixed_material_init);
+    scene->scene.set_fixed_material(material, &read);
   });
 }
 

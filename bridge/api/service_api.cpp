@@ -5,6 +5,7 @@
 
 #include "bridge/api/border.h"
 #include "bridge/base/host_gl.h"
+#include "bridge/base/local_view.h"
 #include "bridge/api/snippet.h"
 #include "bridge/base/public_stats.h"
 #include "bridge/service/service.h"
@@ -97,6 +98,16 @@ void sideray_irradiance_inputs_init(sideray_irradiance_inputs* out, size_t size)
   sideray_irradiance_inputs in{};
   in.denoise = 1;
   init_struct(out, size, in);
+}
+
+sideray_status sideray_view_from_matrices(const double projection[16], const double modelview[16], sideray_view* view,
+                                          sideray_error* error) {
+  return guarded(error, [&] {
+    require(projection, "projection");
+    require(modelview, "modelview");
+    require(view, "view");
+    *view = sideray::bridge::view_of_matrices(projection, modelview);
+  });
 }
 
 sideray_status sideray_service_create(sideray_tracer* tracer, const sideray_host_gl* host, sideray_service** service,

@@ -32,7 +32,9 @@ const char* ready_vertex(sideray_ready_program program) {
 const char* ready_fragment(sideray_ready_program program) {
   static const std::string glass = behind_snippet("ready_glass.frag.glsl");
   static const std::string shadows = behind_snippet("ready_shadows.frag.glsl");
+  static const std::string fragment = behind_snippet("ready_glass_alone.frag.glsl");
   if (program == SIDERAY_READY_GLASS) return glass.c_str();
+  if (program == SIDERAY_READY_GLASS_FRAGMENT) return fragment.c_str();
   return program == SIDERAY_READY_SHADOWS ? shadows.c_str() : nullptr;
 }
 

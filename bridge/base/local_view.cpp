@@ -1,5 +1,6 @@
 #include "bridge/base/local_view.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
@@ -35,6 +36,27 @@ void check_view(const sideray_view& view) {
              "view: world_from_clip is not the inverse of clip_from_world (entry {},{} of the "
              "product is {}); invert in double precision",
              r, c, product[c][r]);
+}
+
+sideray_view view_of_matrices(const double* projection, const double* modelview) {
+  for (int i = 0; i < 16; ++i)
+    if (!std::isfinite(projection[i]) || !std::isfinite(modelview[i]))
+      fail(SIDERAY_INVALID_ARGUMENT, "view: matrix entry {} is not finite; give the camera's matrices", i);
+  if (modelview[3] != 0.0 || modelview[7] != 0.0 || modelview[11] != 0.0 || modelview[15] == 0.0)
+    fail(SIDERAY_INVALID_ARGUMENT, "view modelview: its last row is not 0, 0, 0, 1, so that it is transposed, or not the "
+                                   "matrix of a camera; entries 12 to 14 hold what it moves by");
+  const bool perspective = std::abs(projection[11]) == 1.0 && projection[15] == 0.0;
+  const bool parallel = projection[11] == 0.0 && projection[15] != 0.0;
+  if (projection[3] != 0.0 || projection[7] != 0.0 || !(perspective || parallel))
+    fail(SIDERAY_INVALID_ARGUMENT, "view projection: its last row says neither a perspective nor a parallel view, so that it "
+                                   "is transposed, or already multiplied by another; a perspective has -1 or 1 in entry 11");
+  const glm::dmat4 clip_from_world = glm::make_mat4(projection) * glm::make_mat4(modelview);
+  const glm::dmat4 inverse = glm::inverse(clip_from_world);
+  sideray_view view{};
+  std::copy_n(glm::value_ptr(clip_from_world), 16, view.clip_from_world);
+  std::copy_n(glm::value_ptr(inverse), 16, view.world_from_clip);
+  check_view(view);
+  return view;
 }
 
 rt::TraceView local_view(const sideray_view& view, glm::dvec3 origin) {

@@ -12,6 +12,9 @@ namespace sideray::bridge {
 // Throws Failure (INVALID_ARGUMENT) where the matrices are not finite or not each other's inverse.
 void check_view(const sideray_view& view);
 
+// Returns the view of an engine's matrices. Throws Failure (INVALID_ARGUMENT) where they cannot be a camera's.
+sideray_view view_of_matrices(const double* projection, const double* modelview);
+
 // World to local: the snapshot's origin is subtracted in double precision.
 rt::TraceView local_view(const sideray_view& view, glm::dvec3 origin);
 

@@ -192,6 +192,9 @@ void Renderer::draw_beside(const FramePlan& plan, std::span<const sideray_camera
 void Renderer::set_scene(sideray_scene* scene) {
   auto snapshot = scene->scene.snapshot();
   if (!snapshot) fail(SIDERAY_INVALID_ARGUMENT, "scene: nothing is committed; call sideray_scene_commit first");
+  if (snapshot->fixed)
+    fail(SIDERAY_UNSUPPORTED, "scene: it is shaded by the fixed function, which shades frames of hosts alone; call "
+                              "sideray_scene_set_fixed_function with NULL and commit");
   if (scene != drawn_.scene.get()) {
     change_scene(scene);
   } else if (snapshot_ && show_the_same(*snapshot_, *snapshot)) {

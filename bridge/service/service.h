@@ -15,6 +15,7 @@
 
 #include "bridge/base/frame_inputs.h"
 #include "bridge/base/handles.h"
+#include "bridge/jobs/layers/layer_binding.h"
 #include "bridge/service/frame_budget.h"
 #include "bridge/service/service_frame.h"
 #include "bridge/service/trace_queue.h"
@@ -116,6 +117,7 @@ class Service {
   sideray_tracer* tracer_;
   gl::Functions gl_;
   float subpixel_;  // by how much of a pixel the rasterizer moves a vertex, at most
+  std::vector<CheckedProgram> checked_programs_;
   uint32_t units_;  // that textures can be bound to
   bool context_lost_ = false;
   std::optional<Transport> transport_;  // chosen with the first frame

@@ -38,6 +38,7 @@ void Service::bind(uint32_t view_id, uint32_t program, uint32_t first_unit, glm:
   require_unit(reads_mask_answers(gl_, program), mask_answer_unit, "which masks are answered");
   require_unit(reads_irradiance(gl_, program), irradiance_unit, "the irradiance");
   const ServiceView& view = view_of(view_id);
+  check_id_sampler(gl_, program, view.layers, checked_programs_);
   const gl::ProgramGuard program_in_use(gl_, view.policy);
   const gl::TextureGuard active_unit(gl_, first_unit, 0, view.policy);
   gl_.UseProgram(program);

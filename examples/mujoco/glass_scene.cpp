@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "shapes.h"
 
 namespace {
-
-constexpr float reflectance_of_glass = 0.04f;
 
 std::string name_of(const mjModel& model, int type, int id) {
   const char* name = id >= 0 ? mj_id2name(&model, type, id) : nullptr;
@@ -35,20 +34,6 @@ std::array<float, 3> mean_color(const mjModel& model, int texture) {
   return {mean(sum[0]), mean(sum[1]), mean(sum[2])};
 }
 
-// As mjr_render lights it: colours are ambient and diffuse at once, the exponent is 128 times the shininess.
-sideray_fixed_material look_of(const mjvGeom& geom, bool glass) {
-  sideray_fixed_material look = sideray_fixed_material_defaults();
-  for (int c = 0; c < 3; ++c) {
-    look.ambient[c] = look.diffuse[c] = glass ? 0.0f : geom.rgba[c];
-    look.emission[c] = glass ? 0.0f : geom.emission * geom.rgba[c];
-    look.specular[c] = geom.specular;
-    look.reflectance[c] = glass ? reflectance_of_glass : 0.0f;
-  }
-  look.shininess = 128.0f * geom.shininess;
-  look.fresnel = glass;
-  return look;
-}
-
 }  // namespace
 
 bool is_glass(const mjModel& model, const mjvGeom& geom, const std::string& also) {
@@ -61,8 +46,6 @@ bool is_glass(const mjModel& model, const mjvGeom& geom, const std::string& also
 
 GlassScene::GlassScene(const mjModel& model, std::string also_glass)
     : model_(model), also_glass_(std::move(also_glass)) {
-  look_.local_viewer = 1;
-  for (float& c : look_.ambient) c = 0;
   set_sky();
 }
 
@@ -107,12 +90,26 @@ sideray_texture GlassScene::texture_of(int texture) {
   return textures_[texture] = scene_.add_texture(width, height, SIDERAY_RGBA8, texels.data());
 }
 
-// Colours are the fixed material's. Of a plane's texture, `texrepeat` copies lie across it.
+// As mjr_render lights it: colours are ambient and diffuse at once, the exponent is 128 times the shininess.
+sideray_fixed_material GlassScene::look_of(const mjvGeom& geom, bool glass) const {
+  sideray_fixed_material look = sideray_fixed_material_defaults();
+  std::array<float, 3> mean{1, 1, 1};
+  if (geom.texid >= 0 && model_.tex_type[geom.texid] != mjTEXTURE_2D) mean = mean_color(model_, geom.texid);
+  for (int c = 0; c < 3; ++c) {
+    look.ambient[c] = look.diffuse[c] = glass ? 0.0f : geom.rgba[c] * mean[static_cast<size_t>(c)];
+    look.emission[c] = glass ? 0.0f : geom.emission * geom.rgba[c];
+    look.specular[c] = geom.specular;
+  }
+  look.shininess = 128.0f * geom.shininess;
+  return look;
+}
+
+// Of a plane's texture, `texrepeat` copies lie across it. Glass reflects by its index of refraction.
 sideray_material GlassScene::material_of(const mjvGeom& geom, bool glass) {
   const bool flat = geom.texid >= 0 && model_.tex_type[geom.texid] == mjTEXTURE_2D && geom.type == mjGEOM_PLANE;
-  const float texture = flat ? static_cast<float>(geom.texid) : -1.0f;
-  const std::array<float, 5> key = glass ? std::array<float, 5>{-2, geom.rgba[0], geom.rgba[1], geom.rgba[2], 0}
-                                         : std::array<float, 5>{texture, geom.texrepeat[0], geom.texrepeat[1], 0, 0};
+  const MaterialKey key{static_cast<float>(geom.texid), geom.texrepeat[0], geom.texrepeat[1], geom.rgba[0],
+                        geom.rgba[1],                   geom.rgba[2],      geom.emission,     geom.specular,
+                        geom.shininess,                 glass ? 1.0f : 0,  flat ? 1.0f : 0};
   if (const auto known = materials_.find(key); known != materials_.end()) return known->second;
   sideray_material_desc desc = sideray_material_defaults();
   desc.double_sided = 1;
@@ -126,7 +123,9 @@ sideray_material GlassScene::material_of(const mjvGeom& geom, bool glass) {
     desc.base_color_texture.texture_from_uv[0] = geom.texrepeat[0];
     desc.base_color_texture.texture_from_uv[3] = geom.texrepeat[1];
   }
-  return materials_[key] = scene_.add_material(desc);
+  const sideray_material material = scene_.add_material(desc);
+  scene_.set_fixed_material(material, look_of(geom, glass));
+  return materials_[key] = material;
 }
 
 sideray_instance_desc GlassScene::instance_of(const mjvGeom& geom, size_t index) {
@@ -136,31 +135,17 @@ sideray_instance_desc GlassScene::instance_of(const mjvGeom& geom, size_t index)
   desc.material = material_of(geom, glass);
   desc.surface_id = static_cast<uint32_t>(index) + 1;
   desc.visibility = SIDERAY_VISIBLE_ALL;
-  desc.user = index;
   set_transform(geom, desc);
   return desc;
 }
 
-void GlassScene::update_looks(const mjvScene& drawn) {
-  looks_.clear();
-  for (int i = 0; i < drawn.ngeom; ++i) {
-    const mjvGeom& geom = drawn.geoms[i];
-    sideray_fixed_material& look = looks_.emplace_back(look_of(geom, is_glass(model_, geom, also_glass_)));
-    if (geom.texid < 0 || model_.tex_type[geom.texid] == mjTEXTURE_2D) continue;
-    const std::array<float, 3> mean = mean_color(model_, geom.texid);
-    for (int c = 0; c < 3; ++c) look.ambient[c] *= mean[static_cast<size_t>(c)], look.diffuse[c] *= mean[static_cast<size_t>(c)];
-  }
-  look_.materials = looks_.data();
-  look_.material_count = looks_.size();
-}
-
 // The headlight's place is the camera's.
 void GlassScene::update_lights(const mjvScene& drawn) {
-  lights_.clear();
+  std::vector<sideray_fixed_light> lights;
   std::vector<sideray_light> casters;
   for (int i = 0; i < drawn.nlight; ++i) {
     const mjvLight& from = drawn.lights[i];
-    sideray_fixed_light& light = lights_.emplace_back(sideray_fixed_light_defaults());
+    sideray_fixed_light& light = lights.emplace_back(sideray_fixed_light_defaults());
     for (int c = 0; c < 3; ++c) {
       light.ambient[c] = from.ambient[c], light.diffuse[c] = from.diffuse[c], light.specular[c] = from.specular[c];
       light.position[c] = static_cast<double>(from.directional ? -from.dir[c] : from.pos[c]);
@@ -174,26 +159,22 @@ void GlassScene::update_lights(const mjvScene& drawn) {
       light.constant_attenuation = from.attenuation[0];
       light.linear_attenuation = from.attenuation[1], light.quadratic_attenuation = from.attenuation[2];
     }
-    if (!from.castshadow || casters.size() == 32) continue;
-    light.shadow = static_cast<int32_t>(casters.size());
+    light.casts_shadows = from.castshadow && casters.size() < 32;
+    if (!light.casts_shadows) continue;
     sideray_light& caster = casters.emplace_back(sideray_light_defaults());
     caster.type = from.directional ? SIDERAY_LIGHT_DIRECTIONAL : SIDERAY_LIGHT_POINT;
     for (int c = 0; c < 3; ++c)
       caster.position[c] = static_cast<double>(from.pos[c]), caster.direction[c] = from.dir[c];
   }
   scene_.set_lights(casters);
-  look_.lights = lights_.data();
-  look_.light_count = lights_.size();
-  sideray_shader_desc shader = sideray_shader_defaults();
-  shader.shade = sideray_ready_shade;
-  shader.user = &look_;
-  shader.radiance_space = SIDERAY_SPACE_GAMMA22;
-  shader.shadow_lights = casters.empty() ? 0 : static_cast<uint32_t>((uint64_t{1} << casters.size()) - 1);
-  scene_.set_shader(shader);
+  sideray_fixed_function model = sideray_fixed_function_defaults();
+  model.lights = lights.data(), model.light_count = lights.size();
+  model.local_viewer = 1;
+  for (float& c : model.ambient) c = 0;
+  scene_.set_fixed_function(model);
 }
 
 void GlassScene::update(const mjvScene& drawn) {
-  update_looks(drawn);
   update_lights(drawn);
   std::vector<sideray_instance_desc> descs;
   for (int i = 0; i < drawn.ngeom; ++i)

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <mujoco/mujoco.h>
-#include <sideray/ready_shade.h>
 #include <sideray/sideray.hpp>
 
 #include <array>
@@ -27,12 +26,13 @@ class GlassScene {
 
  private:
   using MeshKey = std::array<float, 4>;  // type, data, and of capsules the size
+  using MaterialKey = std::array<float, 11>;  // all that mjr_render reads of a geom's looks
 
   sideray_mesh mesh_of(const mjvGeom& geom);
   sideray_texture texture_of(int texture);
+  sideray_fixed_material look_of(const mjvGeom& geom, bool glass) const;
   sideray_material material_of(const mjvGeom& geom, bool glass);
   sideray_instance_desc instance_of(const mjvGeom& geom, size_t index);
-  void update_looks(const mjvScene& drawn);
   void update_lights(const mjvScene& drawn);
   void set_sky();
 
@@ -40,10 +40,7 @@ class GlassScene {
   const std::string also_glass_;
   sideray::Scene scene_ = sideray::Scene::create().value();
   std::map<MeshKey, sideray_mesh> meshes_;
-  std::map<std::array<float, 5>, sideray_material> materials_;
+  std::map<MaterialKey, sideray_material> materials_;
   std::map<int, sideray_texture> textures_;
   std::vector<sideray_instance> instances_;
-  std::vector<sideray_fixed_light> lights_;
-  std::vector<sideray_fixed_material> looks_;
-  sideray_fixed_function look_ = sideray_fixed_function_defaults();
 };

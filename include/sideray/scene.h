@@ -42,6 +42,11 @@ typedef struct sideray_mesh_desc {
   sideray_attribute tangents;  /* 4 floats, w = +-1 bitangent sign; absent = derived from uv where needed */
   sideray_attribute uv0, uv1;  /* 2 floats, origin at the top left of the image; absent = 0 */
   sideray_attribute colors;    /* 4 floats, linear, multiplied onto base_color; absent = 1 */
+  /* The same as engines of old keep them, in place of `indices` and `colors`, which are NULL then. */
+  const uint16_t* short_indices;
+  const uint8_t* color_bytes; /* 4 bytes a vertex, 0..255 is 0..1 */
+  size_t color_bytes_stride;  /* 0 = tightly packed */
+  int32_t color_bytes_bgra;   /* their order: blue, green, red, alpha, as Direct3D has them; 0 = red, green, blue, alpha */
 } sideray_mesh_desc;
 
 SIDERAY_DEFAULTS(sideray_mesh_desc, mesh)

@@ -24,6 +24,11 @@ typedef struct sideray_view {
   int32_t zero_to_one_depth; /* clip space z runs 0..w (glClipControl) instead of -w..w */
 } sideray_view;
 
+/* The view of column-major matrices as an engine of OpenGL has them, clip from eye and eye from world; reversed_depth and
+ * zero_to_one_depth are 0. Refuses what has no inverse and no eye: matrices that are transposed, or in the wrong order. */
+SIDERAY_API sideray_status sideray_view_from_matrices(const double projection[16], const double modelview[16],
+                                                      sideray_view* view, sideray_error* error);
+
 typedef enum sideray_mask_source {
   SIDERAY_MASK_NONE = 0,    /* trace every pixel */
   SIDERAY_MASK_STENCIL = 1, /* trace where (stencil & stencil_bits) != 0 */
@@ -189,6 +194,10 @@ typedef struct sideray_mask_inputs {
   /* For a host that shows masks of an earlier frame: what sideray_shadow_moving() and the like need to find a surface
    * that has moved since, or that the camera sees elsewhere. One more texture, of 4 bytes a pixel. */
   int32_t moving;
+  /* For an engine that is being fitted with Sideray: one ray more for every fourth opaque pixel finds whether its depth
+   * lies on a traced surface, which sideray_frame_stats::mask_pixels_astray counts. Many do not where a matrix, a depth
+   * convention or a transform is wrong, or where what is drawn is not in the scene. */
+  int32_t checks_surfaces;
 } sideray_mask_inputs;
 
 /* No light, exact, no ambient occlusion, filtered. */
@@ -411,6 +420,9 @@ typedef struct sideray_frame_stats {
   uint64_t rays_bounce; /* of irradiance: along paths, and toward the sky */
   /* Pixels whose irradiance is not of this frame: those without any, and those that show an older one. */
   uint64_t irradiance_pixels_late, irradiance_pixels_older;
+  /* Under sideray_mask_inputs::checks_surfaces, of the pixels with an opaque surface: those that were checked, and of them
+   * those whose depth lies on no traced surface. */
+  uint64_t mask_pixels_checked, mask_pixels_astray;
 } sideray_frame_stats;
 
 SIDERAY_API sideray_status sideray_service_stats(sideray_service* service, sideray_ticket ticket,
@@ -425,7 +437,10 @@ SIDERAY_API const char* sideray_glsl(int glsl_version);
  * are. They need `float_ids`. */
 typedef enum sideray_ready_program {
   SIDERAY_READY_GLASS = 0,  /* what the fixed function lights and textures, by rays where there is an answer */
-  SIDERAY_READY_SHADOWS = 1 /* multiplies the opaque picture by a light's shadow mask and the occlusion mask */
+  SIDERAY_READY_SHADOWS = 1, /* multiplies the opaque picture by a light's shadow mask and the occlusion mask */
+  /* Glass by a fragment shader alone: the fixed function goes on to transform, light and texture vertices. It has no
+   * vertex shader (NULL); docs/fixed-function.md says how texture coordinates hold places in the world. */
+  SIDERAY_READY_GLASS_FRAGMENT = 2
 } sideray_ready_program;
 
 /* Texts that are valid for ever; NULL where there is no such program. Need no context. */

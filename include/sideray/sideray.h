@@ -1,6 +1,7 @@
 /* Sideray: a ray-tracing side service for OpenGL rasterizers. C99 interface; its headers are the manual.
  *
  *   scene.h     sideray_scene: meshes, instances, materials, textures, lights, environment. Plain memory, no OpenGL.
+ *   fixed_function.h  the fixed function of OpenGL 1.x as the light and material model of a scene.
  *   tracer.h    sideray_tracer: traces a committed scene. Plain memory in, plain memory out, no OpenGL.
  *   service.h   sideray_service: moves depth, stencil and results between a host's OpenGL context and a tracer.
  *   renderer.h  sideray_renderer: draws whole pictures, in a headless context of its own or in a host's.
@@ -27,6 +28,7 @@
 #define SIDERAY_SIDERAY_H
 
 #include <sideray/base.h>
+#include <sideray/fixed_function.h>
 #include <sideray/options.h>
 #include <sideray/renderer.h>
 #include <sideray/scene.h>

@@ -1,4 +1,4 @@
-// Sideray for C++20: move-only handles and Result over sideray.h. Header-only; contracts are those of sideray.h.
+// Sideray for C++17: move-only handles and Result over sideray.h. Header-only; contracts are those of sideray.h.
 #pragma once
 
 #include <array>
@@ -8,13 +8,32 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 namespace sideray {
+
+// Refers to elements that lie behind one another: of a vector, an array, a std::span, or a pointer and a count.
+template <typename T>
+class Span {
+ public:
+  constexpr Span() = default;
+  constexpr Span(T* data, size_t size) : data_(data), size_(size) {}
+  template <size_t N>
+  constexpr Span(T (&elements)[N]) : data_(elements), size_(N) {}
+  template <typename Elements,
+            typename = std::enable_if_t<std::is_convertible_v<decltype(std::declval<Elements&>().data()), T*>>>
+  constexpr Span(Elements&& elements) : data_(elements.data()), size_(elements.size()) {}
+  constexpr T* data() const { return data_; }
+  constexpr size_t size() const { return size_; }
+
+ private:
+  T* data_ = nullptr;
+  size_t size_ = 0;
+};
 
 // A failed call as an exception, for those who like them: thrown by Result::value and by check.
 struct Error : std::runtime_error {
@@ -110,7 +129,7 @@ class Scene {
     check([&](sideray_error* e) { return sideray_scene_remove_material(get(), material, e); });
   }
   // Returns the name of each.
-  std::vector<sideray_instance> add_instances(std::span<const sideray_instance_desc> descs) {
+  std::vector<sideray_instance> add_instances(Span<const sideray_instance_desc> descs) {
     std::vector<sideray_instance> instances(descs.size());
     check([&](sideray_error* e) {
       return sideray_scene_add_instances(get(), descs.data(), sizeof(sideray_instance_desc), descs.size(),
@@ -119,13 +138,13 @@ class Scene {
     return instances;
   }
   // As many descriptions as instances.
-  void replace_instances(std::span<const sideray_instance> instances, std::span<const sideray_instance_desc> descs) {
+  void replace_instances(Span<const sideray_instance> instances, Span<const sideray_instance_desc> descs) {
     check([&](sideray_error* e) {
       return sideray_scene_replace_instances(get(), instances.data(), descs.data(), sizeof(sideray_instance_desc),
                                              std::min(instances.size(), descs.size()), e);
     });
   }
-  void remove_instances(std::span<const sideray_instance> instances) {
+  void remove_instances(Span<const sideray_instance> instances) {
     check([&](sideray_error* e) {
       return sideray_scene_remove_instances(get(), instances.data(), instances.size(), e);
     });
@@ -135,7 +154,7 @@ class Scene {
     check([&](sideray_error* e) { return sideray_scene_move_instances(get(), &instance, 1, world_from_object, e); });
   }
   // As many surface ids as instances.
-  void renumber_instances(std::span<const sideray_instance> instances, std::span<const uint32_t> surface_ids) {
+  void renumber_instances(Span<const sideray_instance> instances, Span<const uint32_t> surface_ids) {
     check([&](sideray_error* e) {
       return sideray_scene_renumber_instances(get(), instances.data(), std::min(instances.size(), surface_ids.size()),
                                               surface_ids.data(), e);
@@ -157,12 +176,12 @@ class Scene {
     check([&](sideray_error* e) { return sideray_scene_add_particles(get(), &desc, &particles, e); });
     return particles;
   }
-  void set_sprites(sideray_particles particles, std::span<const sideray_sprite> sprites) {
+  void set_sprites(sideray_particles particles, Span<const sideray_sprite> sprites) {
     check([&](sideray_error* e) {
       return sideray_scene_set_sprites(get(), particles, sprites.data(), sizeof(sideray_sprite), sprites.size(), e);
     });
   }
-  void set_lights(std::span<const sideray_light> lights) {
+  void set_lights(Span<const sideray_light> lights) {
     check([&](sideray_error* e) { return sideray_scene_set_lights(get(), lights.data(), lights.size(), e); });
   }
   void set_environment(uint32_t width, uint32_t height, const float* rgb, float scale, float rotation_deg) {
@@ -171,7 +190,7 @@ class Scene {
     });
   }
   // `cube_from_world`: null = the identity.
-  void set_environment_cube(uint32_t side, std::span<const float* const, 6> faces, float scale,
+  void set_environment_cube(uint32_t side, const std::array<const float*, 6>& faces, float scale,
                             const float* cube_from_world = nullptr) {
     check([&](sideray_error* e) {
       return sideray_scene_set_environment_cube(get(), side, faces.data(), scale, cube_from_world, e);
@@ -182,6 +201,12 @@ class Scene {
   }
   void set_built_in_shader() {
     check([&](sideray_error* e) { return sideray_scene_set_shader(get(), nullptr, e); });
+  }
+  void set_fixed_function(const sideray_fixed_function& model) {
+    check([&](sideray_error* e) { return sideray_scene_set_fixed_function(get(), &model, e); });
+  }
+  void set_fixed_material(sideray_material material, const sideray_fixed_material& fixed) {
+    check([&](sideray_error* e) { return sideray_scene_set_fixed_material(get(), material, &fixed, e); });
   }
   void commit() {
     check([&](sideray_error* e) { return sideray_scene_commit(get(), e); });
@@ -206,7 +231,7 @@ class Tracer {
   sideray_tracer* get() const { return handle_.get(); }
 
   // `layers` hits per ray, in the order (distance, surface id, primitive).
-  std::vector<sideray_hit> trace(sideray_ray_set set, std::span<const sideray_ray> rays, uint32_t layers = 1) {
+  std::vector<sideray_hit> trace(sideray_ray_set set, Span<const sideray_ray> rays, uint32_t layers = 1) {
     std::vector<sideray_hit> hits(rays.size() * layers);
     sideray_ray_batch batch = sideray_ray_batch_defaults();
     batch.set = set;

@@ -153,6 +153,10 @@ typedef struct sideray_shader_desc {
   float radiance_scale;
   /* sizeof(sideray_shading_point) and sizeof(sideray_shading_result) as the host was compiled with them. */
   size_t point_stride_bytes, result_stride_bytes;
+  /* Called once with `user` when no tracer, service or renderer will call `shade` any more: the scene has another
+   * shader or is gone, and so are all frames of commits that had this one. On any thread; it calls neither OpenGL nor
+   * Sideray. NULL: none. */
+  void (*release)(void* user);
 } sideray_shader_desc;
 
 SIDERAY_API void sideray_shader_init(sideray_shader_desc* out, size_t size);
@@ -168,7 +172,7 @@ static inline sideray_shader_desc sideray_shader_defaults(void) {
 /* From the next commit on, `shader` takes the place of the built-in model wherever rays hit surfaces of frames:
  * layers, what they and opaque surfaces reflect, what is behind bent glass; the references and what sideray_renderer
  * draws, in linear radiance, keep the model. NULL: the model. `shade` and `user` stay valid until every tracer, service
- * and renderer of the scene has finished the frames of that commit, or is gone: cancelled and late frames begin no more
+ * and renderer of the scene has finished the frames of that commit, or is gone (`release` says when): cancelled and late frames begin no more
  * calls, abandon_context and destroy wait for those under way. A surface that is hit in a mirror reflects the
  * environment alone, and has no shadow rays where it is translucent too. With `refraction`, what surfaces let through
  * is their material's. A result with a number that is not finite counts as black, with its material's a and T

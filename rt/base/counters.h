@@ -30,6 +30,8 @@ namespace sideray::rt {
   COUNT(pixels_older)                                                             \
   COUNT(mask_pixels_late)                                                         \
   COUNT(mask_pixels_older)                                                        \
+  COUNT(mask_pixels_checked)                                                      \
+  COUNT(mask_pixels_astray)                                                       \
   COUNT(reflection_pixels_late)                                                   \
   COUNT(reflection_pixels_older)                                                  \
   COUNT(irradiance_pixels_late)                                                   \

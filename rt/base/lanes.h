@@ -336,6 +336,8 @@ SIDERAY_LANE real largest(real3 a) {
 
 #define SR_FN SIDERAY_LANE
 #include "shaders/shading/shading.h"
+
+#include "shaders/shading/fixed_function.h"
 #undef SR_FN
 
 }  // namespace sideray::rt::SIDERAY_LANES

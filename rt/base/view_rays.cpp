@@ -34,6 +34,14 @@ double depth_step(double depth, DepthFormat format, bool zero_to_one) {
 
 }  // namespace
 
+glm::vec3 way_to_viewer(const TraceView& view) {
+  // Of a perspective view w grows with the distance before the eye; of a parallel one depth does.
+  const glm::dmat4 rows = glm::transpose(view.clip_from_local);
+  const glm::dvec3 along_w(rows[3]), along_z(rows[2]);
+  if (glm::length(along_w) > 1e-12 * glm::length(along_z)) return glm::vec3(glm::normalize(-along_w));
+  return glm::vec3(glm::normalize(view.reversed_depth ? along_z : -along_z));
+}
+
 ViewRays::ViewRays(const TraceView& view, uint32_t width, uint32_t height)
     : local_from_clip_(view.local_from_clip),
       reversed_(view.reversed_depth),

@@ -170,7 +170,8 @@ TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& sc
                         .calls = host_calls(request),
                         .shadows = request.shadows,
                         .tells_rough = request.denoise != 0,
-                        .error = request.ray_reuse});
+                        .error = request.ray_reuse,
+                        .viewer = way_to_viewer(request.view)});
   OlderLayers* older = takes_older(request) ? request.older : nullptr;
   TileReach* reach = request.wanted ? request.wanted->reach.get() : nullptr;
   if (reach) reach->fit(request.view, request.width, request.height, request.depth);

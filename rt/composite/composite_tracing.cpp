@@ -71,7 +71,8 @@ ShaderSource& CompositeTracing::begin_shaders(const LayerRequest& request, Trace
                         .calls = host_calls(request),
                         .shadows = request.shadows,
                         .tells_rough = request.resolves && request.denoise,
-                        .error = request.ray_reuse});
+                        .error = request.ray_reuse,
+                        .viewer = way_to_viewer(request.view)});
   return shaders_;
 }
 

@@ -179,7 +179,7 @@ class LightPass {
         add_masked(scene_.lights[k], masks_[k], w);
         continue;
       }
-      w.direct.gather(w.batch, scene_.lights[k]);
+      w.direct.gather(w.batch, k);
       if (w.direct.rays() >= enough_rays) trace_shadows(w);
     }
     trace_shadows(w);

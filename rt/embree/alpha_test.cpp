@@ -33,13 +33,14 @@ bool alpha_discards(const model::Snapshot& snapshot, const TraceInstance& instan
   const model::Mesh& mesh = *instance.mesh;
   const glm::uvec3 t = instance.triangles[hit.primitive];
   const float w = 1.0f - hit.u - hit.v;
-  float alpha = desc.base_color[3];
-  if (mesh.has_colors)
+  const model::Material& material = *instance.material;
+  float alpha = material.without_factor_alpha ? 1.0f : desc.base_color[3];
+  if (mesh.has_colors && !material.without_vertex_alpha)
     alpha *= w * mesh.colors[t.x].w + hit.u * mesh.colors[t.y].w + hit.v * mesh.colors[t.z].w;
   else
     alpha *= w + hit.u + hit.v;
   const sideray_texture_slot& slot = desc.base_color_texture;
-  if (slot.texture == 0) return alpha < limit;
+  if (slot.texture == 0 || material.without_texel_alpha) return alpha < limit;
   const model::Texture& texture = *snapshot.textures[slot.texture - 1];
   const std::vector<glm::vec2>& uv = slot.uv_set == 0 ? mesh.uv0 : mesh.uv1;
   const glm::vec2 at = w * uv[t.x] + hit.u * uv[t.y] + hit.v * uv[t.z];

@@ -181,6 +181,11 @@ bool has_cut_outs(const TraceTable& table) {
                      [](const TraceInstance& i) { return i.discards && !i.material->translucent; });
 }
 
+bool same_alpha(const model::Material& a, const model::Material& b) {
+  return a.without_factor_alpha == b.without_factor_alpha && a.without_vertex_alpha == b.without_vertex_alpha &&
+         a.without_texel_alpha == b.without_texel_alpha;
+}
+
 // Returns whether a hit with the instance counts for the same rays: `a` and `b` are of two tables.
 bool has_same_holes(const TraceTable& a, const TraceTable& b, size_t i) {
   const TraceInstance &x = a.instances[i], &y = b.instances[i];
@@ -192,7 +197,7 @@ bool has_same_holes(const TraceTable& a, const TraceTable& b, size_t i) {
   if (texels(a, slot) != texels(b, other)) return false;
   slot.texture = other.texture = 0;
   return x.discards == y.discards && x.mesh == y.mesh && m.alpha_mode == n.alpha_mode &&
-         m.alpha_cutoff == n.alpha_cutoff && m.base_color[3] == n.base_color[3] &&
+         m.alpha_cutoff == n.alpha_cutoff && m.base_color[3] == n.base_color[3] && same_alpha(*x.material, *y.material) &&
          std::memcmp(&slot, &other, sizeof(slot)) == 0;
 }
 

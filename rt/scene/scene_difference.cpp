@@ -21,6 +21,12 @@ bool same_shader(const sideray_shader_desc& a, const sideray_shader_desc& b) {
          a.radiance_space == b.radiance_space && a.radiance_scale == b.radiance_scale;
 }
 
+// The same fixed function, and the same host's shader.
+bool same_shading(const model::Snapshot& a, const model::Snapshot& b) {
+  const bool same_fixed = a.fixed == b.fixed || (a.fixed && b.fixed && *a.fixed == *b.fixed);
+  return same_fixed && same_shader(a.shader, b.shader);
+}
+
 // Returns whether the meshes differ only in where their vertices are and which way they face.
 bool differ_in_vertices_only(const model::Mesh& a, const model::Mesh& b) {
   return a.uv0 == b.uv0 && a.uv1 == b.uv1 && a.colors == b.colors && model::same_triangles(a, b);
@@ -110,7 +116,7 @@ bool differ_in_places_only(const model::Snapshot& a, const model::Snapshot& b) {
   if (&a == &b) return true;
   if (a.origin != b.origin || a.environment != b.environment || a.textures != b.textures || a.lights != b.lights)
     return false;
-  if (!same_materials(a, b) || !same_shader(a.shader, b.shader)) return false;
+  if (!same_materials(a, b) || !same_shading(a, b)) return false;
   // Equal names mean that the indices of one snapshot are those of the other.
   if (a.instance_names != b.instance_names) return false;
   MeshComparison meshes(a, b);
@@ -134,7 +140,7 @@ model::Bounds bounds_of(const model::Sprite& sprite) {
 }
 
 std::optional<std::vector<Mover>> find_movers(const model::Snapshot& a, const model::Snapshot& b) {
-  if (a.origin != b.origin || a.environment != b.environment || a.textures != b.textures || !same_shader(a.shader, b.shader) ||
+  if (a.origin != b.origin || a.environment != b.environment || a.textures != b.textures || !same_shading(a, b) ||
       a.instance_names != b.instance_names || a.material_names != b.material_names ||
       a.instances.size() != b.instances.size() || a.materials.size() != b.materials.size() ||
       a.lights.size() != b.lights.size())

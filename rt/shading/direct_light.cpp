@@ -12,11 +12,13 @@ void DirectLight::clear() {
   rays_.clear();
 }
 
-void DirectLight::gather(SurfaceBatch& batch, const shading::SrLight& light) {
+void DirectLight::gather(SurfaceBatch& batch, size_t light) {
+  separate_ = batch.is_separate();
   batch.gather(light, 1.0f - short_of_light, rays_);
 }
 
 void DirectLight::draw(SurfaceBatch& batch, size_t block, const LightOdds& odds, glm::vec3* offered) {
+  separate_ = batch.is_separate();
   batch.draw(block, odds, 1.0f - short_of_light, rays_, offered);
 }
 
@@ -25,30 +27,32 @@ void DirectLight::add(const Intersector* shadows, glm::vec3* radiance, bool cohe
   // Translucent surfaces of neighbouring pixels lie apart, and traversal for coherent packets takes 10 % longer
   // (bench_trace --benchmark_filter=shade_shadowed).
   if (shadows && rays_.size() > 0) shadows->occluded(rays_.columns(), coherent, blocked_.data());
-  gains_.clear();
-  if (shadows && tints_) return pass_glass(radiance);
+  through_.clear();
+  if (shadows && tints_) pass_glass();
   for (size_t r = 0; r < rays_.size(); ++r)
-    if (!blocked_[r]) radiance[rays_.point(r)] += rays_.gain(r);
+    if (!blocked_[r]) radiance[rays_.point(r)] += rays_.gain(r) * through(r);
 }
 
-// Does the rest of add() where something translucent may be in the way.
-void DirectLight::pass_glass(glm::vec3* radiance) {
+// Fills through_.
+void DirectLight::pass_glass() {
   const RayColumns columns = rays_.columns();
   free_.clear();
   of_free_.clear();
-  gains_.resize(rays_.size());
-  for (size_t r = 0; r < rays_.size(); ++r) gains_[r] = rays_.gain(r);
+  through_.assign(rays_.size(), glm::vec3(1.0f));
   straight_.choose(columns, blocked_.data(), free_, of_free_);
   straight_.follow(free_);
-  for (size_t i = 0; i < free_.size(); ++i) gains_[of_free_[i]] *= straight_.through(i);
+  for (size_t i = 0; i < free_.size(); ++i) through_[of_free_[i]] = straight_.through(i);
+}
+
+void DirectLight::add_shine(glm::vec3* shine) const {
   for (size_t r = 0; r < rays_.size(); ++r)
-    if (!blocked_[r]) radiance[rays_.point(r)] += gains_[r];
+    if (!blocked_[r]) shine[rays_.point(r)] += rays_.shine(r) * through(r);
 }
 
 void DirectLight::tell(glm::vec3* offered, glm::vec3* arrived) const {
   for (size_t r = 0; r < rays_.size(); ++r) {
-    if (offered) offered[rays_.point(r)] += rays_.gain(r);
-    if (!blocked_[r]) arrived[rays_.point(r)] += gains_.empty() ? rays_.gain(r) : gains_[r];
+    if (offered) offered[rays_.point(r)] += offer(r);
+    if (!blocked_[r]) arrived[rays_.point(r)] += offer(r) * through(r);
   }
 }
 

@@ -36,7 +36,7 @@ float mirror_share(const AroundBlock& a, size_t lane) {
 }  // namespace
 
 void HitShader::begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough,
-                      float error) {
+                      float error, glm::vec3 viewer) {
   scene_ = &scene;
   intersector_ = &intersector;
   shadows_ = shadows;
@@ -47,7 +47,7 @@ void HitShader::begin(const ShadingScene& scene, const Intersector& intersector,
   mirrors_.begin(scene, intersector, *this);
   light_.begin(scene, intersector);
   const std::string isa = intersector.isa();
-  for (SurfaceBatch* batch : {&seen_, &reflected_, &in_front_}) batch->begin(scene, isa);
+  for (SurfaceBatch* batch : {&seen_, &reflected_, &in_front_}) batch->begin(scene, isa, viewer);
 }
 
 void HitShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance) {
@@ -56,6 +56,7 @@ void HitShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance)
   if (tell_rough_) collect_rough(points);
   seen_.finish(radiance);
   add_direct_seen(radiance);
+  seen_.show(radiance);
 }
 
 // Adds direct light to seen_, and keeps what write_answers() says of it.
@@ -79,7 +80,8 @@ void HitShader::write_answers(RayAnswer* answers) const {
 void HitShader::consider(std::span<const SurfacePoint> points, RayProspect* prospects) {
   seen_.load(points);
   offered_.resize(points.size());
-  seen_.unblocked(offered_.data());
+  offered_shine_.resize(points.size());
+  seen_.unblocked(offered_.data(), seen_.is_separate() ? offered_shine_.data() : nullptr);
   const std::span<const AroundBlock> around = seen_.around();
   for (size_t i = 0; i < points.size(); ++i) {
     const AroundBlock& a = around[i / block_size];
@@ -106,7 +108,14 @@ void HitShader::shade_reusing(std::span<const SurfacePoint> points, std::span<co
     if (bit(a.alike, lane)) set_vector(a.coat, lane, mirrored);
   }
   seen_.finish(radiance);
-  for (size_t i = 0; i < points.size(); ++i) radiance[i] += offered_[i] * reused[i].lit;
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (seen_.is_separate()) {
+      seen_.shine()[i] += offered_shine_[i] * reused[i].lit;
+      offered_[i] -= offered_shine_[i];
+    }
+    radiance[i] += offered_[i] * reused[i].lit;
+  }
+  seen_.show(radiance);
 }
 
 // Lets the mirror directions of points that reuse rays show the environment where no donor's ray hit anything.
@@ -129,10 +138,10 @@ void HitShader::shade_opaque(std::span<const SurfacePoint> points, glm::vec3* ra
 void HitShader::add_lights(SurfaceBatch& batch, glm::vec3* radiance, RayAnswers answers) {
   if (shadows_ && error_ > 0.0f) return add_drawn_lights(batch, radiance, answers);
   light_.clear();
-  for (size_t i = 0; i < scene_->lights.size(); ++i) {
-    light_.gather(batch, scene_->lights[i]);
-    if (light_.rays() < enough_rays && i + 1 < scene_->lights.size()) continue;
-    trace_lights(radiance);
+  for (size_t i = 0; i < batch.lights(); ++i) {
+    light_.gather(batch, i);
+    if (light_.rays() < enough_rays && i + 1 < batch.lights()) continue;
+    trace_lights(batch, radiance);
     if (answers.arrived) light_.tell(answers.offered, answers.arrived);
     light_.clear();
   }
@@ -147,15 +156,16 @@ void HitShader::add_drawn_lights(SurfaceBatch& batch, glm::vec3* radiance, RayAn
   for (size_t b = 0; b < batch.blocks(); ++b) {
     light_.draw(batch, b, odds, answers.offered);
     if (light_.rays() < enough_rays && b + 1 < batch.blocks()) continue;
-    trace_lights(radiance);
+    trace_lights(batch, radiance);
     if (answers.arrived) light_.tell(nullptr, answers.arrived);
     light_.clear();
   }
 }
 
-void HitShader::trace_lights(glm::vec3* radiance) {
+void HitShader::trace_lights(SurfaceBatch& batch, glm::vec3* radiance) {
   if (shadows_) rays_shadow += light_.rays();
   light_.add(shadows_ ? intersector_ : nullptr, radiance);
+  if (batch.is_separate()) light_.add_shine(batch.shine());
 }
 
 // Traces the mirror directions of seen_, and stores what they show.
@@ -257,6 +267,7 @@ void HitShader::shade_reflected(glm::vec3* radiance) {
   reflected_.reflect_environment();
   reflected_.finish(radiance);
   add_lights(reflected_, radiance, {});
+  reflected_.show(radiance);
 }
 
 void HitShader::shade_secondary_hits(std::span<const HitPlace> hits, glm::vec3* radiance) {

@@ -21,9 +21,9 @@ class HitShader final : public PointShader, public SecondaryHitShader, public Ra
  public:
   // Sets what the hits are shaded with until the next call; both objects are kept by the caller. `shadows` off: no
   // shadow rays. `tell_rough`: rough() has answers. `error`: LayerRequest::ray_reuse; above 0, faint lights are drawn
-  // by chance, else every light that reaches a point gets a shadow ray.
+  // by chance, else every light that reaches a point gets a shadow ray. `viewer`: as SurfaceBatch::begin() has it.
   void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough = false,
-             float error = 0.0f);
+             float error = 0.0f, glm::vec3 viewer = {0, 0, 1});
 
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
@@ -53,7 +53,7 @@ class HitShader final : public PointShader, public SecondaryHitShader, public Ra
   void add_direct_seen(glm::vec3* radiance);
   void add_lights(SurfaceBatch& batch, glm::vec3* radiance, RayAnswers answers);
   void add_drawn_lights(SurfaceBatch& batch, glm::vec3* radiance, RayAnswers answers);
-  void trace_lights(glm::vec3* radiance);
+  void trace_lights(SurfaceBatch& batch, glm::vec3* radiance);
   bool reuses_mirror(size_t point) const { return !without_mirrors_.empty() && without_mirrors_[point] != 0; }
   void see_own_surroundings(std::span<const ReusedRays> reused);
   void trace_reflections(std::span<const SurfacePoint> points);
@@ -79,6 +79,7 @@ class HitShader final : public PointShader, public SecondaryHitShader, public Ra
   std::vector<RoughReflection> rough_;
 
   std::vector<glm::vec3> offered_, arrived_;  // RayAnswer's, of the points of seen_
+  std::vector<glm::vec3> offered_shine_;      // of the former, what the fixed function adds apart
   std::vector<uint8_t> without_mirrors_;      // of each point, whether its mirrors' rays are reused; empty: none are
 };
 

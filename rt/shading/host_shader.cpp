@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "rt/base/radiance_space.h"
+#include "model/environment.h"
 #include "rt/base/largest.h"
 #include "rt/textures/environment_lookup.h"
 
@@ -99,7 +99,7 @@ glm::vec3 HostShader::surrounded(const HostAnswer& a) const {
 glm::vec3 HostShader::encoded(glm::vec3 linear) const {
   const sideray_shader_desc& shader = scene_->snapshot->shader;
   glm::vec3 result;
-  for (int c = 0; c < 3; ++c) result[c] = encode_radiance(linear[c], shader.radiance_space, shader.radiance_scale);
+  for (int c = 0; c < 3; ++c) result[c] = model::encode_radiance(linear[c], shader.radiance_space, shader.radiance_scale);
   return result;
 }
 

@@ -54,7 +54,7 @@ RefractionScene::RefractionScene(std::shared_ptr<const model::Snapshot> committe
     tinting.add(instance.bounds.minimum);
     tinting.add(instance.bounds.maximum);
   }
-  surfaces.records = make_records(*surfaces.snapshot, surfaces.materials, surfaces.textures);
+  surfaces.records = make_records(*surfaces.snapshot, surfaces.materials, surfaces.fixed_materials, surfaces.textures);
 }
 
 std::unique_ptr<const ShadingScene> lit_scene(const std::shared_ptr<const model::Snapshot>& snapshot) {

@@ -101,6 +101,14 @@ MaterialRecord material_record(const SrMaterial& m, const sideray_material_desc&
   return r;
 }
 
+// The words of a material of the fixed function. A texture that is not there changes nothing.
+FixedRecord fixed_record(const shading::SrFixedMaterial& m) {
+  FixedRecord r{};
+  static_assert(sizeof(m) <= sizeof(r.shading) && sizeof(m) + 4 * sizeof(float) > sizeof(r.shading));
+  std::memcpy(r.shading, &m, sizeof(m));
+  return r;
+}
+
 ReadRecord read_record(const TextureRead& read, const LevelRecord* levels) {
   const sideray_texture_slot& slot = *read.place;
   ReadRecord r{};
@@ -146,17 +154,25 @@ uint32_t add_reads(std::span<const TextureRead> reads, float occlusion_strength,
   return added;
 }
 
+FixedModelTerms fixed_model_terms(const model::FixedFunction& f) {
+  return {{f.ambient.x, f.ambient.y, f.ambient.z}, f.two_sided ? 1.0f : 0.0f, f.separate_specular ? 1.0f : 0.0f};
+}
+
 }  // namespace
 
 SurfaceTables SceneRecords::tables() const {
   const auto size = static_cast<int32_t>(model::AlbedoTable::size);
   return {instances.data(), materials.data(),    reads.data(),
-          outputs.data(),   srgb_decode_table(), {&model::albedo_table().values[0].x, size, size}};
+          outputs.data(),   srgb_decode_table(), {&model::albedo_table().values[0].x, size, size},
+          fixed.empty() ? nullptr : fixed.data(), model};
 }
 
 SceneRecords make_records(const model::Snapshot& snapshot, std::span<const SrMaterial> materials,
+                          std::span<const shading::SrFixedMaterial> fixed,
                           std::span<const std::vector<TextureRead>> textures) {
   SceneRecords r;
+  for (const shading::SrFixedMaterial& m : fixed) r.fixed.push_back(fixed_record(m));
+  if (snapshot.fixed) r.model = fixed_model_terms(*snapshot.fixed);
   r.instances.reserve(snapshot.instances.size());
   for (const model::Instance& i : snapshot.instances)
     r.instances.push_back(instance_record(i, *snapshot.meshes[i.mesh]));

@@ -17,14 +17,17 @@ struct SceneRecords {
   std::vector<MaterialRecord> materials;
   std::vector<ReadRecord> reads;
   std::vector<OutputRecord> outputs;
+  std::vector<FixedRecord> fixed;  // of a scene of the fixed function; else empty
+  FixedModelTerms model{};
   std::vector<LevelRecord> levels;
   bool sprites = false;  // some instance is of sprites
 
   SurfaceTables tables() const;
 };
 
-// `textures` are the reads of each material.
+// `textures` are the reads of each material; `fixed` is empty but in scenes of the fixed function.
 SceneRecords make_records(const model::Snapshot& snapshot, std::span<const shading::SrMaterial> materials,
+                          std::span<const shading::SrFixedMaterial> fixed,
                           std::span<const std::vector<TextureRead>> textures);
 
 }  // namespace sideray::rt

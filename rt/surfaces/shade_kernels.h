@@ -23,6 +23,16 @@ struct LightTerms {
   float position[3], direction[3], intensity[3];
   float range, cos_inner, cos_outer;
   int type;
+  // In place of what is above, where it is a light of the fixed function; else null.
+  const struct FixedLightTerms* fixed = nullptr;
+};
+
+// Holds a light as shading::SrFixedLight does.
+struct FixedLightTerms {
+  float place[3], distant, ambient[3], diffuse[3], specular[3], axis[3], exponent, cos_cutoff, attenuation[3], viewer[3],
+      local_viewer;
+  bool separate;  // its highlights are added apart
+  bool casts_shadows;
 };
 
 // Holds a light's contribution to the hits of a block, if nothing blocks it, and the shadow rays that find out.
@@ -30,7 +40,9 @@ struct alignas(64) LightBlock {
   BlockRow origin[3], direction[3];
   BlockRow distance;
   BlockRow gain[3];
-  uint32_t reached;  // bit i: hit i gains from the light
+  BlockRow shine[3];  // of highlights that are added apart
+  uint32_t reached;   // bit i: hit i gains from the light
+  bool separate;      // `shine` is filled
 };
 
 // Holds the surroundings that a block's hits see.
@@ -57,6 +69,7 @@ struct alignas(64) BlendBlock {
 // Refers to columns of shadow rays and of what depends on them, with room for a block behind those that are there.
 struct ShadowRayColumns {
   float *origin[3], *direction[3], *t_far, *gain[3];
+  float* shine[3];  // filled where LightBlock::separate
   uint32_t* point;
 };
 
@@ -80,8 +93,8 @@ struct ShadeKernels {
   // sideray_blend_mode each.
   void (*blend)(const SurfaceBlock& block, const BlockRow& modes, BlendBlock& result);
   void (*light)(const SurfaceBlock& block, const LightTerms& light, LightBlock& result);
-  // Adds what the light adds to each hit where nothing blocks it.
-  void (*add_light)(const SurfaceBlock& block, const LightTerms& light, BlockRow (&radiance)[3]);
+  // Adds what the light adds to each hit where nothing blocks it; highlights that are added apart to `shine`.
+  void (*add_light)(const SurfaceBlock& block, const LightTerms& light, BlockRow (&radiance)[3], BlockRow (&shine)[3]);
   // Fills all of `result` but specular and coat.
   void (*look_around)(const SurfaceBlock& block, TexelView irradiance, AroundBlock& result);
   // Lets the surroundings be seen by shares of the sky alone, where `shares` says how much of it each hit sees.
@@ -98,6 +111,13 @@ struct ShadeKernels {
                    BlockRow (&radiance)[3]);
   // Adds up emission and what comes from the surroundings.
   void (*finish)(const SurfaceBlock& block, const AroundBlock& around, BlockRow (&radiance)[3]);
+  // Of the fixed function. Writes what is lit without shadow rays: what glows, ambient light, and all light that has
+  // no shadows.
+  void (*start_fixed)(const SurfaceBlock& block, const FixedLightTerms* lights, size_t count, BlockRow (&lit)[3],
+                      BlockRow (&shine)[3]);
+  // Writes the displayed values to `lit`.
+  void (*finish_fixed)(const SurfaceBlock& block, const AroundBlock& around, BlockRow (&lit)[3],
+                       const BlockRow (&shine)[3]);
 };
 
 // Returns the kernels for an instruction set as Embree calls it: the widest of ours within it.

@@ -114,7 +114,78 @@ SIDERAY_LANE real3 gain_of(const SurfaceBlock& block, int at, const SrIncidence&
   return sr_times(sr_reflect_light(load_surface(block, at), load3(block.to_eye, at), in.to_light), in.irradiance);
 }
 
+SIDERAY_LANE SrFixedLight fixed_light_of(const FixedLightTerms& t) {
+  const auto three_of = [](const float(&v)[3]) { return one_real3{v[0], v[1], v[2]}; };
+  return {three_of(t.place),
+          t.distant,
+          three_of(t.ambient),
+          three_of(t.diffuse),
+          three_of(t.specular),
+          three_of(t.axis),
+          t.exponent,
+          t.cos_cutoff,
+          three_of(t.attenuation),
+          three_of(t.viewer),
+          t.local_viewer};
+}
+
+// Computes what a light of the fixed function adds; highlights that are not added apart are in `lit`.
+SIDERAY_LANE SrFixedGain fixed_gain(const SurfaceBlock& block, int at, const SrSurface& s, const SrFixedLight& light,
+                                    const SrFixedIncidence& in, bool separate) {
+  SrFixedGain gain = sr_fixed_gain(s, light, in, load3(block.to_eye, at));
+  if (!separate) {
+    gain.lit = gain.lit + gain.shine;
+    gain.shine = sr_real3(0.0f);
+  }
+  return gain;
+}
+
+void fixed_light_block(const SurfaceBlock& block, const FixedLightTerms& terms, LightBlock& result) {
+  const SrFixedLight light = fixed_light_of(terms);
+  result.reached = 0;
+  result.separate = terms.separate;
+  for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
+    const SrFixedIncidence in = sr_fixed_incidence(light, load3(block.position, at));
+    const SrFixedGain gain = fixed_gain(block, at, load_surface(block, at), light, in, terms.separate);
+    const uint32_t gains = lane_bits(largest(gain.lit + gain.shine) > 0.0f);
+    if (gains == 0) continue;
+    result.reached |= gains << at;
+    store3(result.gain, at, gain.lit);
+    if (terms.separate) store3(result.shine, at, gain.shine);
+    store3(result.direction, at, in.to_light);
+    store(result.distance + at, in.distance);
+    store3(result.origin, at, start_of_ray(block, at, in.to_light));
+  }
+}
+
+void start_fixed(const SurfaceBlock& block, const FixedLightTerms* lights, size_t count, BlockRow (&lit)[3],
+                 BlockRow (&shine)[3]) {
+  for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
+    const SrSurface s = load_surface(block, at);
+    real3 sum = s.emissive, shines = sr_real3(0.0f);
+    for (size_t i = 0; i < count; ++i) {
+      const SrFixedLight light = fixed_light_of(lights[i]);
+      const SrFixedIncidence in = sr_fixed_incidence(light, load3(block.position, at));
+      sum = sum + sr_fixed_ambient(s, light, in);
+      if (lights[i].casts_shadows) continue;
+      const SrFixedGain gain = fixed_gain(block, at, s, light, in, lights[i].separate);
+      sum = sum + gain.lit;
+      shines = shines + gain.shine;
+    }
+    store3(lit, at, sum);
+    store3(shine, at, shines);
+  }
+}
+
+void finish_fixed(const SurfaceBlock& block, const AroundBlock& around, BlockRow (&lit)[3], const BlockRow (&shine)[3]) {
+  for (int at = 0; at < static_cast<int>(block_size); at += lane_count)
+    store3(lit, at,
+           sr_fixed_color(load_surface(block, at), load3(lit, at), load3(shine, at), load3(around.specular, at)));
+}
+
 void light_block(const SurfaceBlock& block, const LightTerms& terms, LightBlock& result) {
+  if (terms.fixed) return fixed_light_block(block, *terms.fixed, result);
+  result.separate = false;
   const SrLight light = light_of(terms);
   result.reached = 0;
   for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
@@ -152,6 +223,7 @@ uint32_t pack_rays(const LightBlock& light, float share, uint32_t point, uint32_
     pack_row(light.origin[c], lanes, columns.origin[c] + first);
     pack_row(light.direction[c], lanes, columns.direction[c] + first);
     pack_row(light.gain[c], lanes, columns.gain[c] + first);
+    if (light.separate) pack_row(light.shine[c], lanes, columns.shine[c] + first);
   }
   pack_row(ends, lanes, columns.t_far + first);
   uint32_t count = 0;
@@ -160,7 +232,18 @@ uint32_t pack_rays(const LightBlock& light, float share, uint32_t point, uint32_
   return count;
 }
 
-void add_light(const SurfaceBlock& block, const LightTerms& terms, BlockRow (&radiance)[3]) {
+void add_fixed_light(const SurfaceBlock& block, const FixedLightTerms& terms, BlockRow (&lit)[3], BlockRow (&shine)[3]) {
+  const SrFixedLight light = fixed_light_of(terms);
+  for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
+    const SrFixedIncidence in = sr_fixed_incidence(light, load3(block.position, at));
+    const SrFixedGain gain = fixed_gain(block, at, load_surface(block, at), light, in, terms.separate);
+    store3(lit, at, load3(lit, at) + gain.lit);
+    if (terms.separate) store3(shine, at, load3(shine, at) + gain.shine);
+  }
+}
+
+void add_light(const SurfaceBlock& block, const LightTerms& terms, BlockRow (&radiance)[3], BlockRow (&shine)[3]) {
+  if (terms.fixed) return add_fixed_light(block, *terms.fixed, radiance, shine);
   const SrLight light = light_of(terms);
   for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
     const SrIncidence in = sr_incidence(light, load3(block.position, at));
@@ -374,7 +457,7 @@ const ShadeKernels& kernels() {
   static constexpr ShadeKernels table{SIDERAY_LANES_NAME, surfaces_of_hits, unload_points,  load_points,
                                       blend_block,        light_block,      add_light,      look_around,
                                       hide_sky,           pack_rays,        places_of_lobes, specular_block,
-                                      finish_block};
+                                      finish_block,       start_fixed,      finish_fixed};
   return table;
 }
 

@@ -21,6 +21,10 @@ SurfacePoint sprite_point(const model::Snapshot& snapshot, const Hit& hit, const
   point.to_eye = point.geometric_normal = place.mesh.normals[place.vertex];
   point.surface = shading::sr_sprite(place.color, point.to_eye, place.desc.lit != 0,
                                      shading::sr_soft_fade(gap, place.desc.soft_distance), point.blend);
+  if (snapshot.fixed) {  // it has no texture that adds, and one side
+    point.surface.coat_normal = glm::vec3(0.0f);
+    point.surface.metallic = 1.0f;
+  }
   point.blended = shading::sr_blend(point.surface, point.to_eye, point.blend);
   // A sprite is lit as at its centre, whatever part of it is seen.
   point.position = center;

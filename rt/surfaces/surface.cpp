@@ -57,6 +57,65 @@ shading::SrLight shading_light(const model::Light& l) {
   return {l.position, l.direction, l.intensity, l.range, l.cos_inner, l.cos_outer, static_cast<int>(l.type)};
 }
 
+// Sets what the texture environment makes of texel and primary colour.
+void set_environment(shading::SrFixedMaterial& m, sideray_texture_environment environment, bool textured) {
+  const bool decal = environment == SIDERAY_ENVIRONMENT_DECAL, replaces = environment == SIDERAY_ENVIRONMENT_REPLACE;
+  m.of_none = decal || environment == SIDERAY_ENVIRONMENT_ADD || !textured ? 1.0f : 0.0f;
+  m.modulates_alpha = textured && !decal ? 1.0f : 0.0f;
+  if (!textured) return;
+  m.of_texel = environment == SIDERAY_ENVIRONMENT_MODULATE ? 1.0f : 0.0f;
+  m.of_alpha = decal ? -1.0f : 0.0f;
+  m.adds = replaces || environment == SIDERAY_ENVIRONMENT_ADD ? 1.0f : 0.0f;
+  m.adds_alpha = decal ? 1.0f : 0.0f;
+  m.replaces_alpha = replaces ? 1.0f : 0.0f;
+}
+
+shading::SrFixedMaterial fixed_material(const model::Material& material) {
+  const sideray_material_desc& d = material.desc;
+  const sideray_fixed_material& f = material.fixed;
+  const auto follows = [&](uint32_t bit) { return (f.follows_color & bit) != 0 ? 1.0f : 0.0f; };
+  shading::SrFixedMaterial m{};
+  m.color = glm::vec4(d.base_color[0], d.base_color[1], d.base_color[2], d.base_color[3]);
+  m.ambient = to_vec3(f.ambient);
+  m.diffuse = to_vec3(f.diffuse);
+  m.specular = to_vec3(f.specular);
+  m.emission = to_vec3(f.emission);
+  m.reflectance = to_vec3(f.reflectance);
+  m.fresnel = f.fresnel != 0 ? 1.0f : 0.0f;
+  m.shininess = f.shininess;
+  m.lit = d.unlit != 0 ? 0.0f : 1.0f;
+  m.ambient_follows = follows(SIDERAY_FOLLOW_AMBIENT);
+  m.diffuse_follows = follows(SIDERAY_FOLLOW_DIFFUSE);
+  m.specular_follows = follows(SIDERAY_FOLLOW_SPECULAR);
+  m.emission_follows = follows(SIDERAY_FOLLOW_EMISSION);
+  set_environment(m, f.environment, d.base_color_texture.texture != 0);
+  m.bends = d.transmission > 0.0f ? 1.0f : 0.0f;
+  return m;
+}
+
+FixedLightTerms fixed_light(const model::FixedLight& l, const model::FixedFunction& f) {
+  FixedLightTerms t{};
+  const auto put = [](float (&to)[3], glm::vec3 from) { to[0] = from.x, to[1] = from.y, to[2] = from.z; };
+  put(t.place, l.place), put(t.ambient, l.ambient), put(t.diffuse, l.diffuse), put(t.specular, l.specular);
+  put(t.axis, l.axis), put(t.attenuation, l.attenuation);
+  t.distant = l.distant ? 1.0f : 0.0f;
+  t.exponent = l.exponent;
+  t.cos_cutoff = l.cos_cutoff;
+  t.viewer[2] = 1.0f;
+  t.local_viewer = f.local_viewer ? 1.0f : 0.0f;
+  t.separate = f.separate_specular;
+  t.casts_shadows = l.casts_shadows;
+  return t;
+}
+
+std::vector<FixedLightTerms> fixed_lights_of(const model::FixedFunction& f) {
+  std::vector<FixedLightTerms> lights;
+  for (const bool with_shadows : {true, false})
+    for (const model::FixedLight& l : f.lights)
+      if (l.casts_shadows == with_shadows) lights.push_back(fixed_light(l, f));
+  return lights;
+}
+
 template <typename T>
 T interpolate(const std::vector<T>& values, glm::uvec3 t, glm::vec3 weights) {
   return values[t.x] * weights.x + values[t.y] * weights.y + values[t.z] * weights.z;
@@ -139,6 +198,11 @@ SrSurface seen_surface(const SrMaterial& material, const shading::SrTexels& texe
   return shading::sr_seen(s, to_eye, terms, sheen_albedo(s, n_v));
 }
 
+shading::SrFixedModel fixed_model(const ShadingScene& scene) {
+  const FixedModelTerms& m = scene.records.model;
+  return {glm::vec3(m.ambient[0], m.ambient[1], m.ambient[2]), m.two_sided, m.separate};
+}
+
 }  // namespace
 
 ShadingScene::ShadingScene(std::shared_ptr<const model::Snapshot> committed) : snapshot(std::move(committed)) {
@@ -153,7 +217,11 @@ ShadingScene::ShadingScene(std::shared_ptr<const model::Snapshot> committed) : s
     lights.push_back(shading_light(l));
     light_numbers.push_back(static_cast<uint32_t>(i));
   }
-  records = make_records(*snapshot, materials, textures);
+  if (snapshot->fixed) {
+    for (const model::Material& m : snapshot->materials) fixed_materials.push_back(fixed_material(m));
+    fixed_lights = fixed_lights_of(*snapshot->fixed);
+  }
+  records = make_records(*snapshot, materials, fixed_materials, textures);
 }
 
 SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray& ray, Cone cone) {
@@ -178,14 +246,20 @@ SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray&
       coat_normal = shading::sr_perturb(coat_normal, tangent, textures.coat_normal, desc.clearcoat_normal_scale);
     }
   }
-  if (patch.mesh.has_colors)
-    textures.texels.base_color *= interpolate(patch.mesh.colors, patch.triangle, patch.weights);
+  glm::vec4 vertex_color(1.0f);
+  if (patch.mesh.has_colors) vertex_color = interpolate(patch.mesh.colors, patch.triangle, patch.weights);
+  // The fixed function looks at both apart.
+  if (patch.mesh.has_colors && !scene.snapshot->fixed) textures.texels.base_color *= vertex_color;
   // A solid absorbs once, where it is entered.
   if (patch.instance.solid && !hit.front) textures.texels.thickness = 0.0f;
   point.to_eye = -ray.direction;
   const SrSurface away = shading::sr_surface(factors, textures.texels, hit.front ? normal : -normal,
                                              hit.front ? coat_normal : -coat_normal);
   point.surface = seen_surface(factors, textures.texels, away, point.to_eye, smooth, tangent);
+  if (scene.snapshot->fixed)
+    point.surface = shading::sr_fixed_surface(point.surface, scene.fixed_materials[material], fixed_model(scene),
+                                              textures.texels.base_color, vertex_color, hit.front,
+                                              factors.alpha_mode == SIDERAY_BLEND, point.to_eye);
   point.position = patch.instance.local_from_object *
                    glm::vec4(interpolate(patch.mesh.positions, patch.triangle, patch.weights), 1.0f);
   point.geometric_normal = hit.front ? patch.front : -patch.front;

@@ -9,6 +9,7 @@
 #include "model/snapshot.h"
 #include "rt/base/ray.h"
 #include "rt/surfaces/scene_records.h"
+#include "rt/surfaces/shade_kernels.h"
 #include "rt/surfaces/surface_point.h"
 #include "rt/textures/surface_textures.h"
 #include "shaders/shading/shading_cpp.h"
@@ -23,6 +24,8 @@ struct ShadingScene {
 
   std::shared_ptr<const model::Snapshot> snapshot;
   std::vector<shading::SrMaterial> materials;      // textures not applied
+  std::vector<shading::SrFixedMaterial> fixed_materials;  // of a scene of the fixed function; else empty
+  std::vector<FixedLightTerms> fixed_lights;              // likewise: those that shadow rays go to come first
   std::vector<std::vector<TextureRead>> textures;  // those of each material
   std::vector<shading::SrLight> lights;            // those that emit anything at all
   std::vector<uint32_t> light_numbers;             // their indices in the snapshot

@@ -67,6 +67,10 @@ LightTerms terms(const shading::SrLight& l) {
           l.type};
 }
 
+void load_rows(const glm::vec3* values, size_t count, BlockRow (&rows)[3]) {
+  for (size_t i = 0; i < block_size; ++i) set_vector(rows, i, i < count ? values[i] : glm::vec3(0.0f));
+}
+
 void place_hit(const HitPlace& place, HitBlock& block, size_t lane) {
   const Hit& hit = *place.hit;
   block.u[lane] = hit.u;
@@ -186,8 +190,12 @@ void append_surfaces(const ShadingScene& scene, const ShadeKernels& kernels, std
   make_surfaces(scene, kernels, hits, points.data() + before);
 }
 
-void SurfaceBatch::begin(const ShadingScene& scene, const std::string& isa) {
+void SurfaceBatch::begin(const ShadingScene& scene, const std::string& isa, glm::vec3 viewer) {
   scene_ = &scene;
+  fixed_lights_ = scene.fixed_lights;
+  shadowed_ = static_cast<size_t>(std::ranges::count_if(fixed_lights_, &FixedLightTerms::casts_shadows));
+  for (FixedLightTerms& light : fixed_lights_)
+    for (int c = 0; c < 3; ++c) light.viewer[c] = viewer[c];
   kernels_ = &shade_kernels(isa.c_str());
   levels_ = levels_of(*scene.snapshot->environment);
 }
@@ -289,7 +297,37 @@ void SurfaceBatch::store_radiance(size_t block, const BlockRow (&rows)[3], glm::
   for (size_t i = 0; i < count; ++i) radiance[first + i] = vector_at(rows, i);
 }
 
+LightTerms SurfaceBatch::terms_of(size_t light) const {
+  if (!scene_->snapshot->fixed) return terms(scene_->lights[light]);
+  LightTerms t{};
+  t.fixed = &fixed_lights_[light];
+  return t;
+}
+
+void SurfaceBatch::start_fixed(glm::vec3* radiance) {
+  alignas(64) BlockRow rows[3], shine[3];
+  shine_.resize(count_);
+  for (size_t b = 0; b < blocks_.size(); ++b) {
+    kernels_->start_fixed(blocks_[b], fixed_lights_.data(), fixed_lights_.size(), rows, shine);
+    store_radiance(b, rows, radiance);
+    if (is_separate()) store_radiance(b, shine, shine_.data());
+  }
+}
+
+void SurfaceBatch::show(glm::vec3* radiance) {
+  if (!scene_->snapshot->fixed) return;
+  alignas(64) BlockRow rows[3], shine[3]{};
+  for (size_t b = 0; b < blocks_.size(); ++b) {
+    const size_t first = b * block_size, count = std::min<size_t>(block_size, count_ - first);
+    load_rows(radiance + first, count, rows);
+    if (is_separate()) load_rows(shine_.data() + first, count, shine);
+    kernels_->finish_fixed(blocks_[b], around_[b], rows, shine);
+    store_radiance(b, rows, radiance);
+  }
+}
+
 void SurfaceBatch::finish(glm::vec3* radiance) {
+  if (scene_->snapshot->fixed) return start_fixed(radiance);
   alignas(64) BlockRow rows[3];
   for (size_t b = 0; b < blocks_.size(); ++b) {
     kernels_->finish(blocks_[b], around_[b], rows);
@@ -298,19 +336,28 @@ void SurfaceBatch::finish(glm::vec3* radiance) {
 }
 
 void SurfaceBatch::finish_unblocked(glm::vec3* radiance) {
-  alignas(64) BlockRow rows[3];
+  const bool fixed = scene_->snapshot->fixed != nullptr;
+  alignas(64) BlockRow rows[3], shine[3];
   for (size_t b = 0; b < blocks_.size(); ++b) {
-    kernels_->finish(blocks_[b], around_[b], rows);
-    for (const shading::SrLight& light : scene_->lights) kernels_->add_light(blocks_[b], terms(light), rows);
+    if (fixed)
+      kernels_->start_fixed(blocks_[b], fixed_lights_.data(), fixed_lights_.size(), rows, shine);
+    else
+      kernels_->finish(blocks_[b], around_[b], rows);
+    for (size_t l = 0; l < lights(); ++l) kernels_->add_light(blocks_[b], terms_of(l), rows, shine);
+    if (fixed) kernels_->finish_fixed(blocks_[b], around_[b], rows, shine);
     store_radiance(b, rows, radiance);
   }
 }
 
-void SurfaceBatch::unblocked(glm::vec3* radiance) {
-  alignas(64) BlockRow rows[3];
+void SurfaceBatch::unblocked(glm::vec3* radiance, glm::vec3* apart) {
+  alignas(64) BlockRow rows[3], shine[3];
   for (size_t b = 0; b < blocks_.size(); ++b) {
-    for (BlockRow& row : rows) std::fill_n(row, block_size, 0.0f);
-    for (const shading::SrLight& light : scene_->lights) kernels_->add_light(blocks_[b], terms(light), rows);
+    for (BlockRow(*all)[3] : {&rows, &shine})
+      for (BlockRow& row : *all) std::fill_n(row, block_size, 0.0f);
+    for (size_t l = 0; l < lights(); ++l) kernels_->add_light(blocks_[b], terms_of(l), rows, shine);
+    if (apart) store_radiance(b, shine, apart);
+    for (int c = 0; c < 3; ++c)
+      for (size_t i = 0; i < block_size; ++i) rows[c][i] += shine[c][i];
     store_radiance(b, rows, radiance);
   }
 }
@@ -329,18 +376,19 @@ void SurfaceBatch::blend(std::span<const HitPlace> hits, shading::SrBlend* blend
 
 // Fills candidates_, and adds up what they gain.
 void SurfaceBatch::list_candidates(size_t b, BlockRow& total, glm::vec3* offered) {
-  const size_t first = b * block_size, lights = scene_->lights.size();
+  const size_t first = b * block_size;
   const uint32_t all = first + block_size > count_ ? (1u << (count_ - first)) - 1u : 0xffffu;
   static_assert(block_size == 16);
-  if (candidates_.size() < lights) candidates_.resize(lights);
+  if (candidates_.size() < lights()) candidates_.resize(lights());
   std::fill_n(total, block_size, 0.0f);
-  for (size_t l = 0; l < lights; ++l) {
+  for (size_t l = 0; l < lights(); ++l) {
     Candidate& c = candidates_[l];
-    kernels_->light(blocks_[b], terms(scene_->lights[l]), c.light);
+    kernels_->light(blocks_[b], terms_of(l), c.light);
     c.light.reached &= all;
     for (uint32_t bits = c.light.reached; bits != 0; bits &= bits - 1) {
       const auto i = static_cast<size_t>(std::countr_zero(bits));
-      const glm::vec3 gain = vector_at(c.light.gain, i);
+      glm::vec3 gain = vector_at(c.light.gain, i);
+      if (c.light.separate) gain += vector_at(c.light.shine, i);
       c.size[i] = largest(gain);
       total[i] += c.size[i];
       if (offered) offered[first + i] += gain;
@@ -360,7 +408,7 @@ void SurfaceBatch::draw(size_t b, const LightOdds& odds, float share, ShadowRays
     step[i] = std::max(odds.least / weight, std::min(total[i], odds.most / weight));
     next[i] = step[i] * unit_float(keys_[first + i]);
   }
-  for (size_t l = 0; l < scene_->lights.size(); ++l) {
+  for (size_t l = 0; l < lights(); ++l) {
     Candidate& c = candidates_[l];
     for (uint32_t bits = c.light.reached; bits != 0; bits &= bits - 1) {
       const auto i = static_cast<size_t>(std::countr_zero(bits));
@@ -369,6 +417,7 @@ void SurfaceBatch::draw(size_t b, const LightOdds& odds, float share, ShadowRays
       if (passed[i] > next[i]) {
         next[i] += step[i];
         set_vector(c.light.gain, i, vector_at(c.light.gain, i) * (step[i] / c.size[i]));
+        if (c.light.separate) set_vector(c.light.shine, i, vector_at(c.light.shine, i) * (step[i] / c.size[i]));
       } else {
         c.light.reached &= ~(1u << i);
       }
@@ -379,8 +428,8 @@ void SurfaceBatch::draw(size_t b, const LightOdds& odds, float share, ShadowRays
   }
 }
 
-void SurfaceBatch::gather(const shading::SrLight& light, float share, ShadowRays& rays) {
-  const LightTerms t = terms(light);
+void SurfaceBatch::gather(size_t light, float share, ShadowRays& rays) {
+  const LightTerms t = terms_of(light);
   rays.reserve(blocks_.size() * block_size);
   LightBlock block;
   for (size_t b = 0; b < blocks_.size(); ++b) {
@@ -407,7 +456,7 @@ void ShadowRays::reserve(size_t more) {
   const size_t needed = count_ + more + block_size;
   if (points_.size() >= needed) return;
   const size_t size = std::max(needed, 2 * points_.size());
-  for (std::vector<float>* columns : {origin_, direction_, gain_})
+  for (std::vector<float>* columns : {origin_, direction_, gain_, shine_})
     for (int c = 0; c < 3; ++c) columns[c].resize(size);
   t_far_.resize(size);
   t_near_.resize(size);
@@ -419,6 +468,7 @@ void ShadowRays::append(const ShadeKernels& kernels, const LightBlock& light, fl
                                  {direction_[0].data(), direction_[1].data(), direction_[2].data()},
                                  t_far_.data(),
                                  {gain_[0].data(), gain_[1].data(), gain_[2].data()},
+                                 {shine_[0].data(), shine_[1].data(), shine_[2].data()},
                                  points_.data()};
   count_ += kernels.pack(light, share, point, static_cast<uint32_t>(count_), columns);
 }

@@ -43,12 +43,14 @@ class ShadowRays {
   // Makes room for so many more.
   void reserve(size_t more);
   void append(const ShadeKernels& kernels, const LightBlock& light, float share, uint32_t point);
+  // Returns the highlight that the fixed function adds apart; where it does not, the number means nothing.
+  glm::vec3 shine(size_t ray) const { return {shine_[0][ray], shine_[1][ray], shine_[2][ray]}; }
   RayColumns columns() const;
   uint32_t point(size_t ray) const { return points_[ray]; }
   glm::vec3 gain(size_t ray) const { return {gain_[0][ray], gain_[1][ray], gain_[2][ray]}; }
 
  private:
-  std::vector<float> origin_[3], direction_[3], gain_[3], t_far_;
+  std::vector<float> origin_[3], direction_[3], gain_[3], shine_[3], t_far_;
   std::vector<float> t_near_;  // 0
   std::vector<uint32_t> points_;
   size_t count_ = 0;
@@ -62,8 +64,12 @@ struct LobeRows {
 
 class SurfaceBatch {
  public:
-  // The caller keeps the scene. `isa` is named as Embree does.
-  void begin(const ShadingScene& scene, const std::string& isa);
+  // The caller keeps the scene. `isa` is named as Embree does. `viewer`: the way to the viewer, for a fixed function
+  // without a local one.
+  void begin(const ShadingScene& scene, const std::string& isa, glm::vec3 viewer = {0, 0, 1});
+
+  // Returns how many lights shadow rays go to: the scene's, or those of its fixed function.
+  size_t lights() const { return scene_->snapshot->fixed ? shadowed_ : scene_->lights.size(); }
 
   // Takes the points over, and fills around() except for what the mirror directions show, which starts black.
   void load(std::span<const SurfacePoint> points);
@@ -81,14 +87,21 @@ class SurfaceBatch {
   // Writes what environment_specular_at() says of each place, bit for bit.
   void surroundings(std::span<const EnvironmentPlace> places, glm::vec3* radiance) const;
 
-  // Writes radiance[i] = emission and light from the surroundings of point i.
+  // Writes radiance[i] = emission and light from the surroundings of point i. With the fixed function: what is lit without
+  // shadow rays; show() does the rest.
   void finish(glm::vec3* radiance);
+  // Where the fixed function shades: makes what is lit, and shine(), the displayed values. Else changes nothing.
+  void show(glm::vec3* radiance);
+  // Returns whether the fixed function adds highlights behind textures: they are in shine(), which light is added to
+  // after finish().
+  bool is_separate() const { return scene_->snapshot->fixed && scene_->snapshot->fixed->separate_specular; }
+  glm::vec3* shine() { return shine_.data(); }
 
   // Does what finish() does, and adds all lights of the scene, with nothing in their way.
   void finish_unblocked(glm::vec3* radiance);
 
-  // Writes what all lights of the scene add, with nothing in their way.
-  void unblocked(glm::vec3* radiance);
+  // Writes what all lights() add, with nothing in their way. `shine`, of it what is added behind textures, may be null.
+  void unblocked(glm::vec3* radiance, glm::vec3* shine = nullptr);
 
   // Says what blend_of() says of each point. `hits` are those that were loaded.
   void blend(std::span<const HitPlace> hits, shading::SrBlend* blends) const;
@@ -99,7 +112,7 @@ class SurfaceBatch {
   void draw(size_t block, const LightOdds& odds, float share, ShadowRays& rays, glm::vec3* offered);
 
   // Appends the shadow rays of the points that gain from the light, which end at this share of the way to it.
-  void gather(const shading::SrLight& light, float share, ShadowRays& rays);
+  void gather(size_t light, float share, ShadowRays& rays);
   // Computes what the light adds to every block's points.
   std::span<const LightBlock> light(const shading::SrLight& light);
   // The same of one block, lanes behind the last point included.
@@ -116,6 +129,8 @@ class SurfaceBatch {
     LightBlock light;
     BlockRow size;
   };
+  LightTerms terms_of(size_t light) const;
+  void start_fixed(glm::vec3* radiance);
   void look_around();
   void list_candidates(size_t block, BlockRow& total, glm::vec3* offered);
   void store_radiance(size_t block, const BlockRow (&rows)[3], glm::vec3* radiance) const;
@@ -131,6 +146,9 @@ class SurfaceBatch {
   std::vector<float> weights_;
   std::vector<uint32_t> keys_;
   EnvironmentLevels levels_{};
+  std::vector<FixedLightTerms> fixed_lights_;  // those of the scene, seen by the viewer
+  size_t shadowed_ = 0;                        // so many of them, the first ones, have shadows
+  std::vector<glm::vec3> shine_;
 };
 
 inline glm::vec3 vector_at(const BlockRow (&rows)[3], size_t lane) {

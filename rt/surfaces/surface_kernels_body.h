@@ -565,7 +565,50 @@ SIDERAY_LANE void read_block(const SurfaceTables& tables, const HitBlock& hits, 
   for (uint32_t bits = reads.colored; bits != 0; bits &= bits - 1) {
     const auto i = static_cast<uint32_t>(__builtin_ctz(bits));
     const Four color = corners_of(tables, hits, i).weigh(tables.instances[hits.instance[i]].colors, 4);
-    for (uint32_t k = 0; k < 4; ++k) texels.rows[row_base_color + k][i] *= color[k];
+    // The fixed function looks at both apart.
+    constexpr uint32_t apart[] = {row_diffuse_transmission_color, row_diffuse_transmission_color + 1,
+                                  row_diffuse_transmission_color + 2, row_diffuse_transmission};
+    for (uint32_t k = 0; k < 4; ++k)
+      if (tables.fixed)
+        texels.rows[apart[k]][i] = color[k];
+      else
+        texels.rows[row_base_color + k][i] *= color[k];
+  }
+}
+
+SIDERAY_LANE SrFixedMaterial load_fixed(const BlockRow* rows, int at) {
+  SurfaceReader r{rows, at};
+  SrFixedMaterial m;
+  m.color = r.four(), m.ambient = r.three(), m.diffuse = r.three(), m.specular = r.three(), m.emission = r.three();
+  m.reflectance = r.three(), m.fresnel = r.one(), m.shininess = r.one(), m.lit = r.one();
+  m.ambient_follows = r.one(), m.diffuse_follows = r.one(), m.specular_follows = r.one(), m.emission_follows = r.one();
+  m.of_none = r.one(), m.of_texel = r.one(), m.of_alpha = r.one(), m.adds = r.one(), m.adds_alpha = r.one();
+  m.replaces_alpha = r.one(), m.modulates_alpha = r.one(), m.bends = r.one();
+  return m;
+}
+
+// Makes the surfaces of a block those of the fixed function.
+void fix_surfaces(const SurfaceTables& tables, const HitBlock& hits, const MaterialBlock& materials,
+                  const TexelBlock& texels, SurfaceBlock& block) {
+  alignas(64) BlockRow rows[FixedRecord::words];
+  const float* words[block_size];
+  for (uint32_t i = 0; i < block_size; ++i)
+    words[i] = tables.fixed[tables.instances[hits.instance[i]].material].shading;
+  transpose(words, FixedRecord::words, rows);
+  const FixedModelTerms& terms = tables.model;
+  const SrFixedModel model = {{terms.ambient[0], terms.ambient[1], terms.ambient[2]}, terms.two_sided, terms.separate};
+  for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
+    SrTexels t = no_texels();
+    if (texels.any) t = load_texels(texels, at);
+    const real3 color = t.diffuse_transmission_color;
+    const SrSurface s = sr_fixed_surface(
+        load_surface(block, at), load_fixed(rows, at), model, t.base_color,
+        real4(color.x, color.y, color.z, t.diffuse_transmission), load(hits.front + at) > 0.0f,
+        load_material(materials, at).alpha_mode == 2, load3(block.to_eye, at));
+    store_surface(s, block, at);
+    constexpr int row_of_coat_share = 41;
+    const real rest[] = {s.coat_share, s.below_sheen, s.sheen_albedo, s.albedo_terms.x, s.albedo_terms.y};
+    for (int i = 0; i < 5; ++i) store(block.surface[row_of_coat_share + i] + at, rest[i]);
   }
 }
 
@@ -617,6 +660,7 @@ void surfaces_of_hits(const SurfaceTables& tables, const HitBlock& hits, Surface
     store_surface(s, block, at);
     store_seen(s, to_eye, tables.albedo, block, at);
   }
+  if (tables.fixed) fix_surfaces(tables, hits, materials, texels, block);
 }
 
 void unload_points(const SurfaceBlock& block, uint32_t count, float* points, uint32_t stride) {

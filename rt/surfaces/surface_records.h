@@ -31,6 +31,17 @@ struct alignas(16) MaterialRecord {
   uint32_t first_read, reads;
 };
 
+// Holds the words of an SrFixedMaterial, in its order.
+struct alignas(16) FixedRecord {
+  static constexpr uint32_t words = 36;
+  float shading[words];
+};
+
+// Holds an SrFixedModel.
+struct FixedModelTerms {
+  float ambient[3], two_sided, separate;
+};
+
 struct LevelRecord {
   const uint8_t* rgba;
   int32_t width, height;
@@ -92,6 +103,8 @@ struct SurfaceTables {
   const OutputRecord* outputs;
   const float* srgb;  // what each of 256 codes is worth
   TexelView albedo;
+  const FixedRecord* fixed;  // of each material, in a scene of the fixed function; else null
+  FixedModelTerms model;     // likewise
 };
 
 // Holds sixteen hits, none of them on sprites.

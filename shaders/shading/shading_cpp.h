@@ -33,6 +33,7 @@ inline real sr_atan2(real y, real x) {
 #define SR_FN inline __attribute__((always_inline))
 #include "shaders/shading/shading.h"
 
+#include "shaders/shading/fixed_function.h"
 #include "shaders/shading/sprites.h"
 #include "shaders/shading/wind.h"
 #undef SR_FN

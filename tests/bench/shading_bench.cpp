@@ -2,6 +2,7 @@
 // comes from around (emission, environment). Items are hits; scalar/* is the same shading model on single numbers.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <random>
 #include <vector>
 
@@ -33,8 +34,27 @@ struct Setup {
   std::vector<Ray> rays;
 };
 
+// Gives a scene the fixed function, with a light for each of `lights` and highlights.
+void make_fixed(model::Scene& scene, uint32_t material, const std::vector<sideray_light>& lights) {
+  model::FixedDesc model{};
+  model.desc.local_viewer = 1;
+  for (const sideray_light& from : lights) {
+    sideray_fixed_light light{};
+    light.size = sizeof(light), light.spot_cutoff_deg = 180, light.casts_shadows = 1;
+    std::copy_n(from.position, 3, light.position);
+    light.position[3] = 1, light.constant_attenuation = 1, light.linear_attenuation = 0.1f;
+    for (int c = 0; c < 3; ++c) light.ambient[c] = 0.1f, light.diffuse[c] = light.specular[c] = 0.5f;
+    model.lights.push_back(light);
+  }
+  scene.set_fixed_function(&model);
+  sideray_fixed_material m{};
+  m.size = sizeof(m), m.shininess = 20;
+  for (int c = 0; c < 3; ++c) m.ambient[c] = m.diffuse[c] = 0.5f, m.specular[c] = 0.3f, m.reflectance[c] = 0.1f;
+  scene.set_fixed_material(material, &m);
+}
+
 // Hits all over a grid of small triangles, from an eye above it. Lobes: coat and sheen.
-Setup make_setup(int textures, int lights, bool lobes) {
+Setup make_setup(int textures, int lights, bool lobes, bool fixed = false) {
   model::Scene scene;
   std::mt19937 random(1);
   std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
@@ -87,6 +107,7 @@ Setup make_setup(int textures, int lights, bool lobes) {
   scene.set_lights(all.data(), all.size());
   const std::vector<glm::vec3> sky(64 * 32, glm::vec3(0.4f, 0.5f, 0.6f));
   scene.set_environment(64, 32, &sky[0].x, 1.0f, 0.0f);
+  if (fixed) make_fixed(scene, instance.material, all);
   scene.commit();
   Setup s{scene.snapshot(), {}, {}};
   const glm::vec3 eye(0, 0, 4);
@@ -196,6 +217,25 @@ void batched(benchmark::State& state, const char* isa, bool lobes) {
   count_hits(state);
 }
 
+// From hits to what they show, but for rays: by the built-in model, or by the fixed function.
+void whole(benchmark::State& state, bool fixed) {
+  const Setup s = make_setup(1, static_cast<int>(state.range(0)), false, fixed);
+  const ShadingScene scene(s.snapshot);
+  std::vector<HitPlace> places;
+  for (size_t i = 0; i < s.hits.size(); ++i) places.push_back({&s.hits[i], &s.rays[i], cone});
+  std::vector<glm::vec3> radiance(s.hits.size());
+  SurfaceBatch batch;
+  batch.begin(scene, "avx2");
+  for (auto _ : state) {
+    batch.load(places);
+    batch.reflect_environment();
+    batch.finish_unblocked(radiance.data());
+    benchmark::DoNotOptimize(radiance.data());
+    benchmark::ClobberMemory();
+  }
+  count_hits(state);
+}
+
 // Lights alone: what is left of the above without the environment.
 void lights_scalar(benchmark::State& state) {
   const Setup s = make_setup(0, static_cast<int>(state.range(0)), false);
@@ -222,6 +262,8 @@ BENCHMARK(surface)->Arg(0)->Arg(1)->Arg(3)->Arg(5);
 BENCHMARK_CAPTURE(surfaces, baseline, "")->Arg(0)->Arg(1)->Arg(3)->Arg(5);
 BENCHMARK_CAPTURE(surfaces, avx2, "avx2")->Arg(0)->Arg(1)->Arg(3)->Arg(5);
 BENCHMARK_CAPTURE(surfaces, avx512, "avx512")->Arg(0)->Arg(1)->Arg(3)->Arg(5);
+BENCHMARK_CAPTURE(whole, built_in, false)->Arg(1)->Arg(3)->Arg(8);
+BENCHMARK_CAPTURE(whole, fixed_function, true)->Arg(1)->Arg(3)->Arg(8);
 BENCHMARK(lights_scalar)->Arg(1)->Arg(3)->Arg(8);
 BENCHMARK_CAPTURE(scalar, plain, false)->Arg(1)->Arg(3)->Arg(8);
 BENCHMARK_CAPTURE(scalar, lobes, true)->Arg(1)->Arg(3)->Arg(8);

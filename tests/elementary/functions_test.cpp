@@ -47,7 +47,7 @@ uint64_t count_wrong_powers(float exponent, uint32_t step) {
   return wrong;
 }
 
-// The exponents of the curves by which pictures are encoded (rt/base/radiance_space.h, model/texture.cpp), and of shapes
+// The exponents of the curves by which pictures are encoded (model/environment.h, model/texture.cpp), and of shapes
 // and textures of the built-in scenes.
 struct Exponent {
   float value;

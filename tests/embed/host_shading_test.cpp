@@ -250,6 +250,33 @@ TEST_F(HostShading, AFrameKeepsTheShaderOfItsCommit) {
   EXPECT_GT(other.begun, 0u);
 }
 
+TEST_F(HostShading, IsReleasedWhenNoFrameHasIt) {
+  std::atomic<int> released = 0;
+  struct Owner {
+    Shader shader;
+    std::atomic<int>* released;
+  };
+  auto* owner = new Owner{{}, &released};
+  sideray_shader_desc desc = owner->shader.desc(SIDERAY_SHADE_ON_WORKERS);
+  desc.user = owner;
+  desc.shade = [](void* user, const sideray_shading_point* points, size_t count, sideray_shading_result* results) {
+    Shader::call(&static_cast<Owner*>(user)->shader, points, count, results);
+  };
+  desc.release = [](void* user) {
+    auto* gone = static_cast<Owner*>(user);
+    ++*gone->released;
+    delete gone;
+  };
+  host_.scene().set_shader(desc);
+  host_.scene().commit();
+  const sideray_ticket ticket = submit();
+  use(SIDERAY_SHADE_ON_WORKERS);
+  ASSERT_TRUE(host_.service().wait(ticket)) << "a frame of the former commit";
+  EXPECT_EQ(shader_.begun, 0u);
+  ASSERT_TRUE(host_.service().wait(submit()));
+  EXPECT_EQ(released, 1);
+}
+
 // However late the host comes, what has begun before the deadline is finished, so that every frame brings new answers.
 TEST_F(HostShading, ALateFrameHasTheAnswersThatItHasBegun) {
   use(SIDERAY_SHADE_IN_CALLS);

@@ -21,6 +21,17 @@ class Mistakes : public testing::TestWithParam<gl::Profile> {
     return submit_frame(host.service().get(), in, ticket, &error);
   }
 
+  // As GlassHost::draw(), but for the depth test.
+  void draw_with_depth(const gl::Program& program) {
+    gl.Enable(GL_DEPTH_TEST);
+    program.use();
+    const glm::mat4 matrix(GlassHost::clip_from_world());
+    gl.UniformMatrix4fv(gl.GetUniformLocation(program.id(), "clip_from_world"), 1, GL_FALSE, glm::value_ptr(matrix));
+    host.draw_pane(program);
+    gl.UseProgram(0);
+    gl.Disable(GL_DEPTH_TEST);
+  }
+
   GlassHost host{GetParam()};
   const gl::Functions& gl = host.gl;
   sideray_error error{};
@@ -105,6 +116,65 @@ TEST_P(Mistakes, StructsWithoutTheirSizeAreNamed) {
   sideray_service* made = nullptr;
   EXPECT_EQ(sideray_service_create(host.tracer().get(), &loader, &made, &error), SIDERAY_INVALID_ARGUMENT);
   EXPECT_THAT(error.message, AllOf(HasSubstr("host"), HasSubstr("sizeof"), testing::Not(HasSubstr("default"))));
+}
+
+// Of what is drawn, nothing lies where rays have surfaces: a wrong convention of depth says so in one number.
+TEST_P(Mistakes, ADepthConventionThatIsWrongIsCounted) {
+  const sideray_material opaque = host.scene().add_material([] {
+    sideray_material_desc desc = sideray_material_defaults();
+    desc.double_sided = 1;
+    return desc;
+  }());
+  sideray_instance_desc wall = host.pane_desc();
+  wall.material = opaque;
+  host.scene().replace_instances(std::array{host.pane()}, std::array{wall});
+  host.scene().commit();
+  gl.BindFramebuffer(GL_FRAMEBUFFER, host.framebuffer());
+  gl.Viewport(0, 0, GlassHost::width, GlassHost::height);
+  gl.Clear(GL_DEPTH_BUFFER_BIT);
+  const gl::Program program = host.program(330, "vec3(1.0)");
+  draw_with_depth(program);
+  FrameInputs in = host.inputs();
+  in.layers.reset();
+  in.masks = sideray_mask_inputs_defaults();
+  in.masks->ao_rays = 1;
+  const auto astray = [&] {
+    EXPECT_EQ(submit(in), SIDERAY_OK) << error.message;
+    EXPECT_TRUE(host.service().wait(ticket));
+    return host.service().stats(ticket);
+  };
+  EXPECT_EQ(astray().mask_pixels_checked, 0u) << "nobody asked";
+  in.masks->checks_surfaces = 1;
+  sideray_frame_stats stats = astray();
+  EXPECT_GT(stats.mask_pixels_checked, 100u);
+  EXPECT_EQ(stats.mask_pixels_astray, 0u);
+  in.frame.view.zero_to_one_depth = 1;
+  stats = astray();
+  EXPECT_EQ(stats.mask_pixels_astray, stats.mask_pixels_checked);
+}
+
+TEST(ViewFromMatrices, IsThatOfTheEngine) {
+  const glm::dmat4 projection = glm::perspective(0.9, 1.5, 0.1, 50.0);
+  const glm::dmat4 modelview = glm::lookAt(glm::dvec3(1, 2, 3), glm::dvec3(0), glm::dvec3(0, 1, 0));
+  sideray_error error{};
+  sideray_view view{};
+  const auto make = [&](const glm::dmat4& p, const glm::dmat4& m) {
+    error = {};
+    return sideray_view_from_matrices(glm::value_ptr(p), glm::value_ptr(m), &view, &error);
+  };
+  ASSERT_EQ(make(projection, modelview), SIDERAY_OK) << error.message;
+  const glm::dmat4 product = glm::make_mat4(view.world_from_clip) * projection * modelview;
+  for (int c = 0; c < 4; ++c)
+    for (int r = 0; r < 4; ++r) EXPECT_NEAR(product[c][r], c == r ? 1 : 0, 1e-9);
+  EXPECT_EQ(make(glm::ortho(-1.0, 1.0, -1.0, 1.0), modelview), SIDERAY_OK) << error.message;
+  // A left-handed engine's, whose view looks along +z.
+  EXPECT_EQ(make(glm::perspectiveLH(0.9, 1.5, 0.1, 50.0), modelview), SIDERAY_OK) << error.message;
+  EXPECT_EQ(make(projection, glm::transpose(modelview)), SIDERAY_INVALID_ARGUMENT);
+  EXPECT_THAT(error.message, AllOf(HasSubstr("modelview"), HasSubstr("transposed")));
+  EXPECT_EQ(make(glm::transpose(projection), modelview), SIDERAY_INVALID_ARGUMENT);
+  EXPECT_THAT(error.message, AllOf(HasSubstr("projection"), HasSubstr("transposed")));
+  EXPECT_EQ(make(projection * modelview, glm::dmat4(1)), SIDERAY_INVALID_ARGUMENT);
+  EXPECT_EQ(make(projection, glm::dmat4(0)), SIDERAY_INVALID_ARGUMENT);
 }
 
 TEST_P(Mistakes, TwoSurfacesOfOneNumberAreRefusedAtCommit) {

@@ -37,6 +37,55 @@ class OldHost : public testing::Test {
     gl.Materialf(GL_FRONT_AND_BACK, GL_SHININESS, 12.0f);
   }
 
+  // Whose colours the material takes from glColor.
+  void follow_colors(GLenum mode) {
+    gl.ColorMaterial(GL_FRONT_AND_BACK, mode);
+    gl.Enable(GL_COLOR_MATERIAL);
+    colored_ = true;
+  }
+  // The recipe of docs/fixed-function.md: places in the world as texture coordinates of unit 7.
+  void generate_positions() const {
+    gl.ActiveTexture(GL_TEXTURE7);
+    gl.PushMatrix();
+    gl.LoadMatrixd(glm::value_ptr(eye_from_world));
+    const float planes[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
+    const GLenum coordinates[] = {GL_S, GL_T, GL_R};
+    const GLenum modes[] = {GL_TEXTURE_GEN_S, GL_TEXTURE_GEN_T, GL_TEXTURE_GEN_R};
+    for (int i = 0; i < 3; ++i) {
+      gl.TexGeni(coordinates[i], GL_TEXTURE_GEN_MODE, GL_EYE_LINEAR);
+      gl.TexGenfv(coordinates[i], GL_EYE_PLANE, planes[i]);
+      gl.Enable(modes[i]);
+    }
+    gl.PopMatrix();
+    gl.ActiveTexture(GL_TEXTURE0);
+  }
+  // A program without a vertex shader.
+  uint32_t fragment_alone(float surface) const {
+    const GLuint shader = gl.CreateShader(GL_FRAGMENT_SHADER), program = gl.CreateProgram();
+    const char* const text = sideray_ready_fragment(SIDERAY_READY_GLASS_FRAGMENT);
+    gl.ShaderSource(shader, 1, &text, nullptr);
+    gl.CompileShader(shader);
+    gl.AttachShader(program, shader);
+    gl.LinkProgram(program);
+    gl.DeleteShader(shader);
+    GLint linked = 0;
+    gl.GetProgramiv(program, GL_LINK_STATUS, &linked);
+    EXPECT_EQ(linked, GL_TRUE);
+    gl.UseProgram(program);
+    gl.Uniform1i(gl.GetUniformLocation(program, "sideray_textured"), 1);
+    gl.Uniform1f(gl.GetUniformLocation(program, "sideray_surface"), surface);
+    gl.UseProgram(0);
+    return program;
+  }
+  void expect_same(const GlassHost::Picture& ready, const GlassHost::Picture& fixed) const {
+    size_t drawn = 0;
+    for (size_t i = 0; i < fixed.size(); ++i) {
+      drawn += fixed[i].w > 0;
+      for (int c = 0; c < 4; ++c) ASSERT_NEAR(ready[i][c], std::min(fixed[i][c], 1.0f), 2.0f / 255) << i << " " << c;
+    }
+    EXPECT_GT(drawn, 1000u);
+  }
+
   GlassHost::Picture draw(uint32_t program) const {
     gl.BindFramebuffer(GL_FRAMEBUFFER, host.framebuffer());
     gl.Viewport(0, 0, GlassHost::width, GlassHost::height);
@@ -51,6 +100,7 @@ class OldHost : public testing::Test {
     gl.Normal3f(0, 0, 1);
     const float corners[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
     for (const auto& c : corners) {
+      if (colored_) gl.Color4f(0.2f, 0.7f + 0.1f * c[0], 0.3f, 0.4f);
       gl.TexCoord2f(c[0] * 0.5f + 0.5f, c[1] * 0.5f + 0.5f);
       gl.Vertex3f(c[0], c[1], 0);
     }
@@ -83,6 +133,7 @@ class OldHost : public testing::Test {
  private:
   gl::Renderbuffer depth_;
   gl::Texture texture_;
+  bool colored_ = false;
 };
 
 TEST_F(OldHost, GlassWithoutAnswersIsThatOfTheFixedFunction) {
@@ -114,6 +165,83 @@ TEST_F(OldHost, LightsAreWhereTheFixedFunctionHasThem) {
     }
     EXPECT_GT(lit, 500u) << "w " << place.w;
   }
+}
+
+TEST_F(OldHost, GlassFollowsColors) {
+  const gl::Program program = glass(0.0f);
+  ASSERT_EQ(sideray_service_bind(host.service().get(), 0, program.id(), 1, nullptr), SIDERAY_OK);
+  const std::pair<GLenum, GLint> ways[] = {{GL_DIFFUSE, SIDERAY_FOLLOW_DIFFUSE},
+                                           {GL_AMBIENT, SIDERAY_FOLLOW_AMBIENT},
+                                           {GL_AMBIENT_AND_DIFFUSE, SIDERAY_FOLLOW_AMBIENT_AND_DIFFUSE},
+                                           {GL_SPECULAR, SIDERAY_FOLLOW_SPECULAR},
+                                           {GL_EMISSION, SIDERAY_FOLLOW_EMISSION}};
+  for (const auto& [mode, bits] : ways) {
+    light();
+    const float black[] = {0, 0, 0, 1};
+    gl.Materialfv(GL_FRONT_AND_BACK, GL_EMISSION, black);
+    follow_colors(mode);
+    const GlassHost::Picture fixed = draw(0);
+    program.use();
+    gl.Uniform1i(gl.GetUniformLocation(program.id(), "sideray_follows_color"), bits);
+    SCOPED_TRACE(bits);
+    expect_same(draw(program.id()), fixed);
+    gl.Disable(GL_COLOR_MATERIAL);
+  }
+}
+
+TEST_F(OldHost, GlassIsLitBySpots) {
+  light({0.5f, 0.5f, 2, 1});
+  const float down[] = {-0.2f, -0.2f, -1};
+  gl.Lightfv(GL_LIGHT0, GL_SPOT_DIRECTION, down);
+  gl.Lightf(GL_LIGHT0, GL_SPOT_CUTOFF, 89);
+  gl.Lightf(GL_LIGHT0, GL_SPOT_EXPONENT, 6);
+  gl.LightModeli(GL_LIGHT_MODEL_LOCAL_VIEWER, 1);
+  const gl::Program program = glass(0.0f);
+  program.use();
+  gl.Uniform1i(gl.GetUniformLocation(program.id(), "sideray_local_viewer"), 1);
+  ASSERT_EQ(sideray_service_bind(host.service().get(), 0, program.id(), 1, nullptr), SIDERAY_OK);
+  const GlassHost::Picture fixed = draw(0);
+  expect_same(draw(program.id()), fixed);
+}
+
+TEST_F(OldHost, AFragmentShaderAloneKeepsTheFixedFunction) {
+  light();
+  follow_colors(GL_DIFFUSE);
+  generate_positions();
+  const GlassHost::Picture fixed = draw(0);
+  const uint32_t without = fragment_alone(0.0f);
+  ASSERT_EQ(sideray_service_bind(host.service().get(), 0, without, 1, nullptr), SIDERAY_OK);
+  expect_same(draw(without), fixed);
+  FrameInputs in = host.inputs();
+  in.layers->float_ids = 1;
+  host.trace(in);
+  const uint32_t with = fragment_alone(float{GlassHost::glass_id});
+  ASSERT_EQ(sideray_service_bind(host.service().get(), 0, with, 1, nullptr), SIDERAY_OK);
+  const GlassHost::Picture ready = draw(with);
+  for (size_t i = 0; i < fixed.size(); ++i) {
+    if (fixed[i].w == 0) continue;
+    ASSERT_NEAR(ready[i].x, 0.25f, 1.0f / 255) << "the pane glows";
+    ASSERT_NEAR(ready[i].y, 0.5f, 1.0f / 255);
+    ASSERT_NEAR(ready[i].w, fixed[i].w, 1.0f / 255);
+  }
+  gl.DeleteProgram(without), gl.DeleteProgram(with);
+}
+
+// Ids of another type would read as none, without an error of OpenGL's: each fragment would say that its id is another.
+TEST_F(OldHost, BindRefusesIdsOfAnotherType) {
+  sideray_error error{};
+  host.trace(host.inputs());  // integers
+  const gl::Program old = glass(float{GlassHost::glass_id});
+  EXPECT_EQ(sideray_service_bind(host.service().get(), 0, old.id(), 1, &error), SIDERAY_INVALID_ARGUMENT);
+  EXPECT_THAT(error.message, testing::HasSubstr("reads floats (GLSL 1.20), and the newest layers hold integers: set float_ids"));
+  const gl::Program young = host.program(330, "sideray_translucent(vec3(0.0), world, id)");
+  EXPECT_EQ(sideray_service_bind(host.service().get(), 0, young.id(), 1, &error), SIDERAY_OK);
+  FrameInputs in = host.inputs();
+  in.layers->float_ids = 1;
+  host.trace(in);
+  EXPECT_EQ(sideray_service_bind(host.service().get(), 0, old.id(), 1, &error), SIDERAY_OK);
+  EXPECT_EQ(sideray_service_bind(host.service().get(), 0, young.id(), 1, &error), SIDERAY_INVALID_ARGUMENT);
+  EXPECT_THAT(error.message, testing::HasSubstr("leave float_ids of the layer inputs 0"));
 }
 
 TEST_F(OldHost, GlassTakesItsAnswers) {
@@ -160,7 +288,8 @@ TEST_F(OldHost, ShadowsMultiplyThePicture) {
 
 TEST(ReadyPrograms, AreOfTheOldestGlslThatThereIs) {
   for (const char* text : {sideray_ready_vertex(SIDERAY_READY_GLASS), sideray_ready_fragment(SIDERAY_READY_GLASS),
-                           sideray_ready_vertex(SIDERAY_READY_SHADOWS), sideray_ready_fragment(SIDERAY_READY_SHADOWS)})
+                           sideray_ready_vertex(SIDERAY_READY_SHADOWS), sideray_ready_fragment(SIDERAY_READY_SHADOWS),
+                           sideray_ready_fragment(SIDERAY_READY_GLASS_FRAGMENT)})
     EXPECT_THAT(text, testing::StartsWith("#version 120\n"));
   EXPECT_EQ(sideray_glsl(110), nullptr);
 }

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "embed/hosts/glass_host.h"
-#include "rt/base/radiance_space.h"
+#include "model/environment.h"
 
 namespace sideray::tests::targets_test {
 namespace {
@@ -286,16 +286,16 @@ TEST(RadianceSpace, IsThatOfTheHost) {
       ASSERT_EQ(answered(encoded), answered(linear));
       for (size_t i = 0; i < linear.size(); ++i)
         for (int c = 0; c < 2; ++c)
-          ASSERT_NEAR(encoded[i][c], linear[i].w > 0 ? rt::encode_radiance(linear[i][c], space, scale) : 0.0f,
+          ASSERT_NEAR(encoded[i][c], linear[i].w > 0 ? model::encode_radiance(linear[i][c], space, scale) : 0.0f,
                       encoded[i].y / 1024);
     }
 }
 
 TEST(RadianceSpace, TransferFunctionsAreThoseOfTheirNames) {
-  EXPECT_FLOAT_EQ(rt::encode_radiance(0.5f, SIDERAY_SPACE_LINEAR, 2.0f), 1.0f);
-  EXPECT_NEAR(rt::encode_radiance(0.2158605f, SIDERAY_SPACE_SRGB, 1.0f), 128.0f / 255, 1e-5);  // IEC 61966-2-1
-  EXPECT_NEAR(rt::encode_radiance(0.002f, SIDERAY_SPACE_SRGB, 1.0f), 0.02584f, 1e-6);
-  EXPECT_NEAR(rt::encode_radiance(0.2176376f, SIDERAY_SPACE_GAMMA22, 1.0f), 0.5f, 1e-5);
+  EXPECT_FLOAT_EQ(model::encode_radiance(0.5f, SIDERAY_SPACE_LINEAR, 2.0f), 1.0f);
+  EXPECT_NEAR(model::encode_radiance(0.2158605f, SIDERAY_SPACE_SRGB, 1.0f), 128.0f / 255, 1e-5);  // IEC 61966-2-1
+  EXPECT_NEAR(model::encode_radiance(0.002f, SIDERAY_SPACE_SRGB, 1.0f), 0.02584f, 1e-6);
+  EXPECT_NEAR(model::encode_radiance(0.2176376f, SIDERAY_SPACE_GAMMA22, 1.0f), 0.5f, 1e-5);
 }
 
 const std::string moving = "sideray_translucent_moving(vec3(0.0, 0.0, 1.0), world, id, before)";

@@ -60,6 +60,40 @@ TEST(Scene, DropsUnusableTrianglesAndKeepsTheirNumbering) {
   for (const glm::vec3& p : mesh.positions) EXPECT_TRUE(std::isfinite(p.x + p.y + p.z));
 }
 
+TEST(Scene, TakesIndicesOf16BitsAndColoursOfBytes) {
+  struct Vertex {
+    float position[3];
+    uint8_t color[4];
+  };
+  const Vertex vertices[] = {{{0, 0, 0}, {255, 0, 51, 102}}, {{1, 0, 0}, {0, 0, 0, 255}}, {{0, 1, 0}, {0, 0, 0, 255}},
+                             {{1, 1, 0}, {0, 0, 0, 255}}};
+  const uint16_t indices[] = {0, 1, 2, 2, 1, 3};
+  sideray_mesh_desc d = triangle(vertices[0].position, 4);
+  d.positions.stride_bytes = sizeof(Vertex);
+  d.index_count = 6, d.short_indices = indices;
+  d.color_bytes = vertices[0].color, d.color_bytes_stride = sizeof(Vertex);
+  const float normals[12] = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
+  d.normals.data = normals;
+  Scene scene;
+  scene.add_mesh(d, nullptr);
+  d.color_bytes_bgra = 1;
+  scene.add_mesh(d, nullptr);
+  scene.commit();
+  const auto meshes = scene.snapshot()->meshes;
+  EXPECT_EQ(meshes[0]->triangles, (std::vector<glm::uvec3>{{0, 1, 2}, {2, 1, 3}}));
+  EXPECT_TRUE(meshes[0]->has_colors);
+  EXPECT_EQ(meshes[0]->colors[0], glm::vec4(1, 0, 0.2f, 0.4f));
+  EXPECT_EQ(meshes[1]->colors[0], glm::vec4(0.2f, 0, 1, 0.4f));
+  EXPECT_FLOAT_EQ(meshes[0]->minimum_alpha, 0.4f);
+  const uint32_t both[] = {0, 1, 2, 2, 1, 3};
+  d.indices = both;
+  EXPECT_THROW(scene.add_mesh(d, nullptr), Failure);
+  d.indices = nullptr, d.color_bytes_stride = 3;
+  EXPECT_THROW(scene.add_mesh(d, nullptr), Failure);
+  d.color_bytes_stride = sizeof(Vertex), d.colors.data = normals;
+  EXPECT_THROW(scene.add_mesh(d, nullptr), Failure);
+}
+
 TEST(Scene, LocalPositionsStayPreciseFarFromTheOrigin) {
   const float positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
   Scene scene;

@@ -89,13 +89,19 @@ void check_whole_pixels(const sideray_frame_source& source, const sideray_layer_
     fail(SIDERAY_INVALID_ARGUMENT, "layers others_bits {:#x}: give 0 to 0xff, outside stencil_bits", in.others_bits);
 }
 
+void check_fixed_layers(const sideray_layer_inputs& in) {
+  if (in.light_samples > 0)
+    fail(SIDERAY_INVALID_ARGUMENT, "layers light_samples {}: the fixed function has no lights with sizes; give 0",
+         in.light_samples);
+}
+
 void check_layer_shader(const sideray_layer_inputs& in) {
   check_reuse(in, use_of(in, true));
   if (in.light_samples > 0)
     fail(SIDERAY_INVALID_ARGUMENT,
          "layers light_samples {}: the scene has a shader of the host, which says itself what its light is; give 0",
          in.light_samples);
-  if (in.mode == SIDERAY_COMPOSITE && in.particles)
+  if (in.particles)
     fail(SIDERAY_INVALID_ARGUMENT,
          "layers particles: the scene has a shader of the host, which sprites are not for; leave them to the "
          "rasterizer");

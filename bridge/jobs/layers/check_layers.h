@@ -9,6 +9,8 @@ namespace sideray::bridge {
 void check_layers(const sideray_layer_inputs& inputs);
 // Throws Failure (INVALID_ARGUMENT) where whole pixels are wanted of a frame that cannot have them.
 void check_whole_pixels(const sideray_frame_source& source, const sideray_layer_inputs& inputs, bool host_shades);
+// Throws Failure (INVALID_ARGUMENT) where an input does not go with the fixed function.
+void check_fixed_layers(const sideray_layer_inputs& inputs);
 // Throws Failure (INVALID_ARGUMENT) where an input does not go with a shader of the host.
 void check_layer_shader(const sideray_layer_inputs& inputs);
 

@@ -1,8 +1,11 @@
 #include "bridge/jobs/layers/layer_binding.h"
 
+#include <algorithm>
+#include <cstring>
 #include <glm/gtc/type_ptr.hpp>
 
 #include "bridge/base/local_view.h"
+#include "model/failure.h"
 
 namespace sideray::bridge {
 namespace {
@@ -42,7 +45,43 @@ void bind_whole(const gl::Functions& gl, uint32_t program, uint32_t first_unit, 
   gl.Uniform1i(gl.GetUniformLocation(program, "sideray_has_whole"), layers.whole_transmittance_texture != 0);
 }
 
+// Returns the type of a program's uniform; 0 where it has none of this name.
+GLenum type_of_uniform(const gl::Functions& gl, uint32_t program, const char* name) {
+  if (gl.GetUniformLocation(program, name) < 0) return 0;
+  GLint count = 0;
+  gl.GetProgramiv(program, GL_ACTIVE_UNIFORMS, &count);
+  for (GLuint i = 0; i < static_cast<GLuint>(count); ++i) {
+    char found[64];
+    GLint size = 0;
+    GLenum type = 0;
+    gl.GetActiveUniform(program, i, sizeof(found), nullptr, &size, &type, found);
+    if (std::strcmp(found, name) == 0) return type;
+  }
+  return 0;
+}
+
 }  // namespace
+
+void check_id_sampler(const gl::Functions& gl, uint32_t program, const LayerJob& job,
+                      std::vector<CheckedProgram>& checked) {
+  const sideray_layer_outputs& layers = job.outputs();
+  if (layers.ticket == 0 || layers.mode != SIDERAY_CACHE || layers.surface_id_texture == 0) return;
+  constexpr size_t most_checked = 64;
+  const CheckedProgram known{program, job.lookup().float_ids};
+  if (std::ranges::find(checked, known) != checked.end()) return;
+  const GLenum type = type_of_uniform(gl, program, "sideray_surface_id");
+  if (type == 0) return;
+  const bool reads_floats = type == GL_SAMPLER_2D_ARRAY, holds_floats = job.lookup().float_ids;
+  if (reads_floats == holds_floats) {
+    if (checked.size() == most_checked) checked.clear();
+    return checked.push_back(known);
+  }
+  fail(SIDERAY_INVALID_ARGUMENT,
+       "bind program {}: its sideray_surface_id reads {}, and the newest layers hold {}: {}", program,
+       reads_floats ? "floats (GLSL 1.20)" : "integers", holds_floats ? "floats" : "integers",
+       holds_floats ? "leave float_ids of the layer inputs 0, or paste sideray_glsl(120)"
+                    : "set float_ids of the layer inputs, or paste sideray_glsl(130)");
+}
 
 bool reads_whole_pixels(const gl::Functions& gl, uint32_t program) {
   return gl.GetUniformLocation(program, "sideray_has_whole") >= 0;

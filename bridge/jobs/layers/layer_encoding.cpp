@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <glm/gtc/packing.hpp>
 
-#include "rt/base/radiance_space.h"
+#include "model/environment.h"
 
 namespace sideray::bridge {
 namespace {
@@ -19,7 +19,7 @@ void RadianceTable::encode(const uint16_t* rgba, uint16_t* encoded, size_t texel
     table_.assign(size_t{1} << 16, 0);  // radiance is not negative, and finite
     for (uint32_t half = 0; half < first_infinite; ++half)
       table_[half] = glm::packHalf1x16(std::min(
-          rt::encode_radiance(glm::unpackHalf1x16(static_cast<uint16_t>(half)), space_, scale_), largest_half));
+          model::encode_radiance(glm::unpackHalf1x16(static_cast<uint16_t>(half)), space_, scale_), largest_half));
     std::fill(table_.begin() + first_infinite, table_.begin() + sign, table_[first_infinite - 1]);
   }
   for (size_t i = 0; i < 4 * texels; i += 4) {

@@ -17,7 +17,7 @@ struct LayerEncoding {
   bool operator==(const LayerEncoding&) const = default;
 };
 
-// rt::encode_radiance() for halfs; there are few enough of them for a table. Alpha, every fourth, stays.
+// model::encode_radiance() for halfs; there are few enough of them for a table. Alpha, every fourth, stays.
 class RadianceTable {
  public:
   void encode(const uint16_t* rgba, uint16_t* encoded, size_t texels, const LayerEncoding& encoding);

@@ -12,11 +12,11 @@ bool caches(const FrameInputs& inputs) {
   return inputs.layers->mode == SIDERAY_CACHE;
 }
 
-// A host's shader returns radiance in its own space already.
+// A host's shader returns radiance in its own space already, as the fixed function does.
 LayerEncoding encoding_of(const gl::Functions& gl, const JobFrame& frame) {
   const sideray_layer_inputs& in = *frame.inputs.layers;
   LayerEncoding encoding{.float_ids = in.float_ids != 0 || !gl.integer_textures};
-  if (frame.snapshot.shader.shade) return encoding;
+  if (frame.snapshot.shader.shade || frame.snapshot.fixed) return encoding;
   encoding.space = in.radiance_space;
   encoding.scale = in.radiance_scale;
   return encoding;
@@ -47,6 +47,7 @@ void LayerJob::check(const gl::Functions&, const FrameInputs& inputs, const mode
   const bool host_shades = snapshot.shader.shade != nullptr;
   check_whole_pixels(inputs.source, *inputs.layers, host_shades);
   if (host_shades) check_layer_shader(*inputs.layers);
+  if (snapshot.fixed) check_fixed_layers(*inputs.layers);
 }
 
 void LayerJob::check_second_wave(const FrameInputs& inputs) const {
@@ -118,6 +119,7 @@ rt::Counters LayerJob::trace_composite(const JobFrame& frame, const TraceInput& 
 }
 
 void LayerJob::prepare(const gl::Functions& gl, const JobFrame& frame) {
+  float_ids_ = encoding_of(gl, frame).float_ids;
   if (caches(frame.inputs))
     cache_textures_.prepare(gl, cache_, encoding_of(gl, frame));
   else
@@ -152,7 +154,7 @@ void LayerJob::publish(const JobFrame& frame) {
               .whole_radiance_texture = caches_ ? cache_textures_.whole_radiance() : 0,
               .whole_transmittance_texture = caches_ ? cache_textures_.whole_transmittance() : 0};
   lookup_ = {in.match, in.match_threshold, in.cache_rate, in.refraction != 0, caches_ && older_.has_moved(),
-             frame.multisampled};
+             frame.multisampled, float_ids_};
 }
 
 // Tiles that were traced but not uploaded must not be taken for unchanged.

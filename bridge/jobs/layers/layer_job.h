@@ -18,6 +18,7 @@ class LayerJob final : public Job {
     bool refracts = false;
     bool older = false;  // some layers were moved here from earlier frames
     bool multisampled = false;
+    bool float_ids = false;
   };
 
   uint32_t bit() const override { return SIDERAY_JOB_LAYERS; }
@@ -52,6 +53,7 @@ class LayerJob final : public Job {
   CacheTextures cache_textures_;
   CompositeTextures composite_textures_;
   bool caches_ = true;  // the last upload was into the cache's textures
+  bool float_ids_ = false;  // in the textures
   sideray_layer_outputs outputs_{};
   Lookup lookup_;
 };

@@ -121,6 +121,15 @@ class GlassHost {
       gl.Uniform1f(id, float{glass_id});
     else
       gl.Uniform1ui(id, glass_id);
+    draw_pane(p);
+    gl.UseProgram(0);
+    Picture picture(size_t{width} * height);
+    gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, picture.data());
+    return picture;
+  }
+
+  // The program is in use.
+  void draw_pane(const gl::Program& p) const {
     gl.BindVertexArray(array_.id());
     const auto place = gl.GetAttribLocation(p.id(), "position");
     gl.BindBuffer(GL_ARRAY_BUFFER, buffer_.id());
@@ -129,10 +138,6 @@ class GlassHost {
     gl.DrawArrays(GL_TRIANGLES, 0, 6);
     gl.DisableVertexAttribArray(static_cast<GLuint>(place));
     gl.BindVertexArray(0);
-    gl.UseProgram(0);
-    Picture picture(size_t{width} * height);
-    gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, picture.data());
-    return picture;
   }
 
   gl::Context& context() { return *context_; }

@@ -240,8 +240,9 @@ TEST(ShadeKernels, gather_shadow_rays_of_all_points_that_gain) {
     batch.load(scenario.points);
     ShadowRays rays;
     size_t r = 0;
-    for (const shading::SrLight& light : scenario.shading->lights) {
-      batch.gather(light, share, rays);
+    for (size_t l = 0; l < scenario.shading->lights.size(); ++l) {
+      const shading::SrLight& light = scenario.shading->lights[l];
+      batch.gather(l, share, rays);
       uint32_t point = 0;
       for (const LightBlock& block : batch.light(light))
         for (size_t i = 0; i < block_size; ++i, ++point) {

@@ -1,0 +1,584 @@
+// A scene of the fixed function against what the driver's fixed function makes of the same lights, materials, colours and
+// textures, term by term; and what its glass shows.
+#include <gmock/gmock.h>
+
+#include <random>
+
+#include "embed/hosts/glass_host.h"
+
+namespace sideray::tests {
+namespace {
+
+constexpr int columns = 24, rows = 16, point_count = columns * rows;
+constexpr size_t most_lights = 4;
+constexpr float code = 1.0f / 255;
+
+struct Numbers {
+  std::mt19937 engine{7};
+  float in(float low, float high) { return std::uniform_real_distribution<float>(low, high)(engine); }
+  void color(float (&c)[3], float most) {
+    for (float& x : c) x = in(0, most);
+  }
+  glm::vec3 direction() {
+    for (;;) {
+      const glm::vec3 v(in(-1, 1), in(-1, 1), in(-1, 1));
+      if (glm::length(v) > 0.1f && glm::length(v) < 1.0f) return glm::normalize(v);
+    }
+  }
+};
+
+struct Point {
+  glm::dvec3 place;
+  glm::vec3 normal;
+  glm::vec4 color;
+};
+
+// What is drawn, and what is traced.
+struct Look {
+  std::vector<sideray_fixed_light> lights;
+  sideray_fixed_material material = sideray_fixed_material_defaults();
+  sideray_fixed_function model = sideray_fixed_function_defaults();
+  bool unlit = false, textured = false, colored = false;
+  float alpha = 1.0f;
+  uint8_t texel[4] = {200, 120, 60, 150};
+};
+
+GLint mode_of(sideray_texture_environment environment) {
+  constexpr GLint modes[] = {GL_MODULATE, GL_DECAL, GL_REPLACE, GL_ADD};
+  return modes[environment];
+}
+
+// Lights, materials and points, drawn as single points by glBegin, and hit by rays as small quads in the same places.
+class FixedFunction : public testing::Test {
+ protected:
+  FixedFunction() : gl(host.gl), depth_(gl), texture_(gl) {
+    host.attach(depth_);
+    gl.MatrixMode(GL_PROJECTION);
+    gl.LoadMatrixd(glm::value_ptr(clip_from_eye));
+    gl.MatrixMode(GL_MODELVIEW);
+    gl.LoadMatrixd(glm::value_ptr(eye_from_world));
+    gl.Enable(GL_NORMALIZE);
+    gl.ClampColor(GL_CLAMP_VERTEX_COLOR, GL_TRUE);
+    make_points();
+  }
+
+  // `kind`: 0 directional, 1 all around, 2 a spot.
+  sideray_fixed_light random_light(int kind) {
+    sideray_fixed_light light = sideray_fixed_light_defaults();
+    light.casts_shadows = 0;
+    numbers.color(light.ambient, 0.3f), numbers.color(light.diffuse, 1), numbers.color(light.specular, 1);
+    const glm::vec3 place = glm::normalize(numbers.direction() + glm::vec3(0, 0, 1.2f)) * (kind == 0 ? 1.0f : numbers.in(1, 4));
+    light.position[3] = kind == 0 ? 0.0 : static_cast<double>(numbers.in(0.3f, 3));
+    const double scale = kind == 0 ? 1.0 : light.position[3];
+    for (int c = 0; c < 3; ++c) light.position[c] = scale * static_cast<double>(place[c]);
+    light.constant_attenuation = numbers.in(0.3f, 1);
+    light.linear_attenuation = numbers.in(0, 0.5f), light.quadratic_attenuation = numbers.in(0, 0.3f);
+    if (kind < 2) return light;
+    const glm::vec3 axis = -place * numbers.in(0.5f, 2) + 0.3f * numbers.direction();
+    for (int c = 0; c < 3; ++c) light.spot_direction[c] = axis[c];
+    light.spot_cutoff_deg = numbers.in(10, 90), light.spot_exponent = numbers.in(0, 40);
+    return light;
+  }
+  // One light of diffuse and specular light alone, which does not fade.
+  sideray_fixed_light plain_light(int kind) {
+    sideray_fixed_light light = random_light(kind);
+    for (float& c : light.ambient) c = 0;
+    light.constant_attenuation = 1, light.linear_attenuation = light.quadratic_attenuation = 0;
+    light.spot_exponent = 0;
+    return light;
+  }
+
+  void set_light(GLenum name, const sideray_fixed_light& l) const {
+    const auto four = [&](GLenum which, const float (&c)[3]) {
+      const float value[] = {c[0], c[1], c[2], 1};
+      gl.Lightfv(name, which, value);
+    };
+    gl.Enable(name);
+    four(GL_AMBIENT, l.ambient), four(GL_DIFFUSE, l.diffuse), four(GL_SPECULAR, l.specular);
+    const float place[] = {static_cast<float>(l.position[0]), static_cast<float>(l.position[1]),
+                           static_cast<float>(l.position[2]), static_cast<float>(l.position[3])};
+    gl.Lightfv(name, GL_POSITION, place);
+    gl.Lightfv(name, GL_SPOT_DIRECTION, l.spot_direction);
+    gl.Lightf(name, GL_SPOT_CUTOFF, l.spot_cutoff_deg);
+    gl.Lightf(name, GL_SPOT_EXPONENT, l.spot_exponent);
+    gl.Lightf(name, GL_CONSTANT_ATTENUATION, l.constant_attenuation);
+    gl.Lightf(name, GL_LINEAR_ATTENUATION, l.linear_attenuation);
+    gl.Lightf(name, GL_QUADRATIC_ATTENUATION, l.quadratic_attenuation);
+  }
+  void set_material(const Look& look) const {
+    const sideray_fixed_material& m = look.material;
+    const auto four = [&](GLenum name, const float (&c)[3]) {
+      const float value[] = {c[0], c[1], c[2], name == GL_DIFFUSE ? look.alpha : 1};
+      gl.Materialfv(GL_FRONT_AND_BACK, name, value);
+    };
+    gl.Disable(GL_COLOR_MATERIAL);
+    four(GL_AMBIENT, m.ambient), four(GL_DIFFUSE, m.diffuse), four(GL_SPECULAR, m.specular);
+    four(GL_EMISSION, m.emission);
+    gl.Materialf(GL_FRONT_AND_BACK, GL_SHININESS, m.shininess);
+    constexpr GLenum follows[] = {0, GL_AMBIENT, GL_DIFFUSE, GL_AMBIENT_AND_DIFFUSE, GL_SPECULAR, 0, 0, 0, GL_EMISSION};
+    if (m.follows_color == 0) return;
+    gl.ColorMaterial(GL_FRONT_AND_BACK, follows[m.follows_color]);
+    gl.Enable(GL_COLOR_MATERIAL);
+  }
+  void set_state(const Look& look) const {
+    for (size_t i = 0; i < most_lights; ++i) gl.Disable(GL_LIGHT0 + static_cast<GLenum>(i));
+    for (size_t i = 0; i < look.lights.size(); ++i) set_light(GL_LIGHT0 + static_cast<GLenum>(i), look.lights[i]);
+    set_material(look);
+    const float ambient[] = {look.model.ambient[0], look.model.ambient[1], look.model.ambient[2], 1};
+    gl.LightModelfv(GL_LIGHT_MODEL_AMBIENT, ambient);
+    gl.LightModeli(GL_LIGHT_MODEL_LOCAL_VIEWER, look.model.local_viewer);
+    gl.LightModeli(GL_LIGHT_MODEL_COLOR_CONTROL,
+                   look.model.separate_specular ? GL_SEPARATE_SPECULAR_COLOR : GL_SINGLE_COLOR);
+    (look.unlit ? gl.Disable : gl.Enable)(GL_LIGHTING);
+    (look.textured ? gl.Enable : gl.Disable)(GL_TEXTURE_2D);
+    gl.BindTexture(GL_TEXTURE_2D, texture_.id());
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, 1, 1, 0, GL_RGBA, GL_UNSIGNED_BYTE, look.texel);
+    gl.TexEnvi(GL_TEXTURE_ENV, GL_TEXTURE_ENV_MODE, mode_of(look.material.environment));
+  }
+
+  // Points of a wall before the eye, one in the middle of each fourth pixel, whose normals, by chance, face it.
+  void make_points() {
+    const glm::dmat4 world = glm::inverse(clip_from_eye * eye_from_world);
+    for (int i = 0; i < point_count; ++i) {
+      const glm::dvec2 ndc((pixel(i).x + 0.5) / GlassHost::width * 2 - 1, (pixel(i).y + 0.5) / GlassHost::height * 2 - 1);
+      const glm::dvec4 at = world * glm::dvec4(ndc, 0.9 + 0.0005 * i / rows, 1);
+      Point p{glm::dvec3(at) / at.w, {}, {}};
+      const glm::vec3 to_eye(glm::normalize(eye - p.place));
+      do p.normal = numbers.direction();
+      while (glm::dot(p.normal, to_eye) < 0.05f);
+      p.color = {numbers.in(0, 1), numbers.in(0, 1), numbers.in(0, 1), numbers.in(0.2f, 1)};
+      points.push_back(p);
+    }
+  }
+  static glm::ivec2 pixel(int i) { return {i % columns * 4 + 1, i / columns * 4 + 2}; }
+  static size_t texel(int i) { return static_cast<size_t>(pixel(i).y * GlassHost::width + pixel(i).x); }
+
+  GlassHost::Picture draw(const Look& look) const {
+    set_state(look);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, host.framebuffer());
+    gl.Viewport(0, 0, GlassHost::width, GlassHost::height);
+    gl.Disable(GL_DEPTH_TEST);
+    gl.ClearColor(0, 0, 0, 0);
+    gl.Clear(GL_COLOR_BUFFER_BIT);
+    gl.Begin(GL_POINTS);
+    for (const Point& p : points) {
+      gl.Normal3f(p.normal.x, p.normal.y, p.normal.z);
+      if (look.colored) gl.Color4f(p.color.x, p.color.y, p.color.z, p.color.w);
+      else gl.Color4f(1, 1, 1, look.alpha);
+      gl.TexCoord2f(0.5f, 0.5f);
+      gl.Vertex3d(p.place.x, p.place.y, p.place.z);
+    }
+    gl.End();
+    gl.Disable(GL_TEXTURE_2D);
+    GlassHost::Picture picture(size_t{GlassHost::width} * GlassHost::height);
+    gl.ReadPixels(0, 0, GlassHost::width, GlassHost::height, GL_RGBA, GL_FLOAT, picture.data());
+    return picture;
+  }
+
+  // Small quads around the points, as one mesh.
+  sideray_mesh quads(bool colored) {
+    std::vector<glm::vec3> positions, normals;
+    std::vector<glm::vec4> colors;
+    const glm::mat3 world_from_eye(glm::inverse(eye_from_world));
+    for (const Point& p : points)
+      for (const glm::vec2 corner : {glm::vec2(-1, -1), {1, -1}, {1, 1}, {-1, -1}, {1, 1}, {-1, 1}}) {
+        positions.push_back(glm::vec3(p.place) + world_from_eye * glm::vec3(0.003f * corner, 0));
+        normals.push_back(p.normal);
+        colors.push_back(p.color);
+      }
+    sideray_mesh_desc desc = sideray_mesh_defaults();
+    desc.vertex_count = static_cast<uint32_t>(positions.size());
+    desc.positions.data = &positions[0].x;
+    desc.normals.data = &normals[0].x;
+    if (colored) desc.colors.data = &colors[0].x;
+    return host.scene().add_mesh(desc);
+  }
+  void put_in_scene(const Look& look, uint32_t visibility = SIDERAY_VISIBLE_ALL) {
+    Scene& scene = host.scene();
+    sideray_material_desc desc = sideray_material_defaults();
+    desc.alpha_mode = SIDERAY_BLEND;
+    desc.blend_mode = SIDERAY_BLEND_PREMULTIPLIED;
+    desc.double_sided = 1;
+    desc.unlit = look.unlit;
+    desc.base_color[3] = look.alpha;
+    if (look.textured) {
+      desc.base_color_texture.texture = scene.add_texture(1, 1, SIDERAY_RGBA8, look.texel);
+      desc.base_color_texture.filter = SIDERAY_NEAREST;
+    }
+    sideray_instance_desc instance = host.pane_desc();
+    instance.mesh = quads(look.colored);
+    instance.material = scene.add_material(desc);
+    instance.visibility = visibility;
+    scene.set_fixed_material(instance.material, look.material);
+    scene.remove_instances(std::array{instance_});
+    instance_ = scene.add_instances({&instance, 1}).front();
+    sideray_fixed_function model = look.model;
+    model.lights = look.lights.data(), model.light_count = look.lights.size();
+    scene.set_fixed_function(model);
+    scene.commit();
+  }
+  FrameInputs inputs() const {
+    FrameInputs in = host.inputs();
+    GlassHost::set_view(in, clip_from_eye * eye_from_world);
+    in.frame.source.framebuffer = 0, in.frame.source.depth_renderbuffer = depth_.id();
+    return in;
+  }
+  // What rays show of them: RGB, and what they cover.
+  GlassHost::Picture trace(const Look& look) {
+    put_in_scene(look);
+    FrameInputs in = inputs();
+    in.layers->mode = SIDERAY_COMPOSITE;
+    host.trace(in);
+    const sideray_layer_outputs outputs = host.service().layers().value();
+    GlassHost::Picture picture(size_t{GlassHost::width} * GlassHost::height), through = picture;
+    gl.BindTexture(GL_TEXTURE_2D, outputs.radiance_texture);
+    gl.GetTexImage(GL_TEXTURE_2D, 0, GL_RGBA, GL_FLOAT, picture.data());
+    gl.BindTexture(GL_TEXTURE_2D, outputs.distance_texture);
+    gl.GetTexImage(GL_TEXTURE_2D, 0, GL_RGBA, GL_FLOAT, through.data());
+    gl.BindTexture(GL_TEXTURE_2D, 0);
+    for (size_t i = 0; i < picture.size(); ++i) picture[i].w = 1.0f - through[i].x;
+    return picture;
+  }
+
+  // Compares both to a code of 255. `least`: so many channels are neither black nor white.
+  void expect_parity(const Look& look, const std::string& term, size_t least = size_t{3} * point_count / 10) {
+    const GlassHost::Picture drawn = draw(look), traced = trace(look);
+    float most = 0;
+    size_t telling = 0;
+    for (int i = 0; i < point_count; ++i)
+      for (int c = 0; c < 4; ++c) {
+        const float d = glm::clamp(drawn[texel(i)][c], 0.0f, 1.0f);
+        const float off = std::abs(traced[texel(i)][c] - d) / code;
+        EXPECT_LT(off, 1.0f) << term << ": point " << i << " channel " << c << " drawn " << d << " traced " << traced[texel(i)][c];
+        if (off >= 1.0f) return;
+        most = std::max(most, off);
+        telling += c < 3 && d > 0.05f && d < 0.98f;
+      }
+    EXPECT_GE(telling, least) << term << ": most are black or white: nothing is compared";
+    std::printf("  %-40s %.2f codes\n", term.c_str(), static_cast<double>(most));
+  }
+
+  GlassHost host{gl::Profile::compatibility};
+  const gl::Functions& gl;
+  Numbers numbers;
+  std::vector<Point> points;
+  const glm::dvec3 eye{0.3, 0.2, 3};
+  const glm::dmat4 clip_from_eye = glm::perspective(0.9, double{GlassHost::width} / GlassHost::height, 0.1, 50.0);
+  const glm::dmat4 eye_from_world = glm::lookAt(eye, glm::dvec3(0), glm::dvec3(0, 1, 0));
+
+ private:
+  gl::Renderbuffer depth_;
+  gl::Texture texture_;
+  sideray_instance instance_ = host.pane();  // what the points took the place of
+};
+
+// One term each.
+class FixedTerms : public FixedFunction {
+ protected:
+  FixedTerms() {
+    dark.model.ambient[0] = dark.model.ambient[1] = dark.model.ambient[2] = 0;
+    numbers.color(dark.material.ambient, 1), numbers.color(dark.material.diffuse, 1);
+  }
+  Look lit_by(const sideray_fixed_light& light) const {
+    Look look = dark;
+    look.lights.push_back(light);
+    return look;
+  }
+  Look shining(int kind, float exponent) {
+    Look look = lit_by(plain_light(kind));
+    for (float& c : look.material.diffuse) c *= 0.5f;
+    numbers.color(look.material.specular, 1);
+    look.material.shininess = exponent;
+    return look;
+  }
+  Look dark;
+};
+
+TEST_F(FixedTerms, LightsAndTheirFading) {
+  Look look = dark;
+  numbers.color(look.model.ambient, 1);
+  expect_parity(look, "global ambient");
+  look = dark;
+  numbers.color(look.material.emission, 1);
+  expect_parity(look, "emission");
+  look = lit_by(plain_light(0));
+  numbers.color(look.lights[0].ambient, 1);
+  for (float& c : look.material.diffuse) c = 0;
+  expect_parity(look, "ambient of a light");
+  expect_parity(lit_by(plain_light(0)), "diffuse, directional");
+  expect_parity(lit_by(plain_light(1)), "diffuse, all around");
+  look = lit_by(plain_light(1)), look.lights[0].constant_attenuation = 1.7f;
+  expect_parity(look, "constant attenuation");
+  look = lit_by(plain_light(1)), look.lights[0].constant_attenuation = 0, look.lights[0].linear_attenuation = 0.6f;
+  expect_parity(look, "linear attenuation");
+  look = lit_by(plain_light(1)), look.lights[0].constant_attenuation = 0, look.lights[0].quadratic_attenuation = 0.3f;
+  expect_parity(look, "quadratic attenuation");
+  look = lit_by(plain_light(2)), look.lights[0].spot_cutoff_deg = 50;
+  expect_parity(look, "spot cutoff");
+  look = lit_by(plain_light(2)), look.lights[0].spot_cutoff_deg = 80, look.lights[0].spot_exponent = 9;
+  expect_parity(look, "spot exponent");
+}
+
+TEST_F(FixedTerms, Highlights) {
+  expect_parity(shining(0, 20), "specular, directional");
+  expect_parity(shining(1, 0.7f), "specular, all around, wide");
+  expect_parity(shining(1, 128), "specular, all around, narrow");
+  Look look = shining(1, 12);
+  look.model.local_viewer = 1;
+  expect_parity(look, "local viewer");
+  look = shining(1, 5);
+  look.textured = true;
+  expect_parity(look, "specular below the texture");
+  look.model.separate_specular = 1;
+  expect_parity(look, "separate specular colour");
+}
+
+TEST_F(FixedTerms, ColorMaterial) {
+  Look look = shining(1, 8);
+  look.lights[0].ambient[0] = 0.3f, look.colored = true;
+  expect_parity(look, "colours that nothing follows");
+  for (const uint32_t bits : {SIDERAY_FOLLOW_AMBIENT, SIDERAY_FOLLOW_DIFFUSE, SIDERAY_FOLLOW_AMBIENT_AND_DIFFUSE,
+                              SIDERAY_FOLLOW_SPECULAR, SIDERAY_FOLLOW_EMISSION}) {
+    look.material.follows_color = bits;
+    expect_parity(look, "GL_COLOR_MATERIAL " + std::to_string(bits));
+  }
+  look.material.follows_color = 0;
+  look.unlit = true;
+  expect_parity(look, "no lighting");
+}
+
+TEST_F(FixedTerms, TextureEnvironments) {
+  for (const auto environment : {SIDERAY_ENVIRONMENT_MODULATE, SIDERAY_ENVIRONMENT_DECAL, SIDERAY_ENVIRONMENT_REPLACE,
+                                 SIDERAY_ENVIRONMENT_ADD}) {
+    Look look = shining(1, 8);
+    look.textured = true, look.alpha = 0.7f;
+    look.material.environment = environment;
+    expect_parity(look, "environment " + std::to_string(environment));
+    look.colored = true, look.material.follows_color = SIDERAY_FOLLOW_DIFFUSE;
+    look.model.separate_specular = 1;
+    expect_parity(look, "the same with colours, apart " + std::to_string(environment));
+  }
+}
+
+TEST_F(FixedFunction, AllOfItTogether) {
+  constexpr uint32_t follows[] = {0, SIDERAY_FOLLOW_AMBIENT, SIDERAY_FOLLOW_DIFFUSE, SIDERAY_FOLLOW_AMBIENT_AND_DIFFUSE};
+  for (int round = 0; round < 12; ++round) {
+    Look look;
+    for (size_t i = 0; i < most_lights; ++i) look.lights.push_back(random_light((round + static_cast<int>(i)) % 3));
+    numbers.color(look.material.ambient, 1), numbers.color(look.material.diffuse, 1), numbers.color(look.material.specular, 1);
+    numbers.color(look.material.emission, 0.2f);
+    look.material.shininess = numbers.in(0.5f, 128);  // drivers differ on 0 to the power of 0
+    look.model.local_viewer = round % 2;
+    look.model.separate_specular = round % 4 == 3;
+    numbers.color(look.model.ambient, 0.3f);
+    look.colored = round % 3 != 0, look.material.follows_color = follows[round % 4];
+    look.textured = round % 3 != 1;
+    look.material.environment = static_cast<sideray_texture_environment>(round / 3 % 4);
+    expect_parity(look, "round " + std::to_string(round), look.material.environment == SIDERAY_ENVIRONMENT_ADD ? 0 : 50);
+  }
+}
+
+// A host that blends what is shown gives its glass a reflectance; the test looks at what light would have made of it.
+class GammaReflections : public FixedFunction {
+ protected:
+  // What the pane adds to the picture, of an environment that is shown as `mirrored`.
+  float added(float reflectance, float mirrored) {
+    for (float& c : material_.reflectance) c = reflectance;
+    const std::vector<float> sky(3 * 2 * 2, std::pow(mirrored, 2.2f));
+    host.scene().set_environment(2, 2, sky.data(), 1.0f, 0.0f);
+    host.scene().set_fixed_material(host.pane_desc().material, material_);
+    host.scene().set_fixed_function(sideray_fixed_function_defaults());
+    host.scene().commit();
+    host.trace(host.inputs());
+    return host.draw(program_, 330)[size_t{GlassHost::height / 2} * GlassHost::width + GlassHost::width / 2].x;
+  }
+  // Root of the mean square of what the host shows less what light makes, over all brightnesses.
+  double error(float share, float reflectance) {
+    double sum = 0;
+    int count = 0;
+    for (const float mirrored : {0.05f, 0.2f, 0.4f, 0.6f, 0.8f, 1.0f}) {
+      const double adds = static_cast<double>(added(reflectance, mirrored));
+      EXPECT_NEAR(adds, static_cast<double>(reflectance * mirrored), 0.002) << "the mirrored picture is mixed as it is shown";
+      for (double behind = 0; behind <= 1; behind += 0.05, ++count) {
+        const double light = (1 - static_cast<double>(share)) * std::pow(behind, 2.2) + static_cast<double>(share) * std::pow(static_cast<double>(mirrored), 2.2);
+        const double off = (1 - static_cast<double>(reflectance)) * behind + adds - std::pow(light, 1 / 2.2);
+        sum += off * off;
+      }
+    }
+    return std::sqrt(sum / count);
+  }
+
+  void SetUp() override {
+    for (int c = 0; c < 3; ++c) material_.ambient[c] = 0;
+  }
+
+ private:
+  sideray_fixed_material material_ = sideray_fixed_material_defaults();
+  gl::Program program_ = host.program(330, "sideray_translucent(vec3(0.0, 0.0, 1.0), world, id)");
+};
+
+TEST_F(GammaReflections, AreNearestWithTheTrueReflectance) {
+  for (const float share : {0.04f, 0.08f}) {
+    const double root = error(share, std::pow(share, 1 / 2.2f)), true_share = error(share, share),
+                 best = error(share, std::pow(share, 0.8f));
+    EXPECT_GT(root, 1.7 * true_share) << "the root is for glass before black";
+    EXPECT_LT(best, true_share);
+  }
+}
+
+// The pane of a frame, before which an opaque wall stands between it and a light, or does not.
+class FixedPane : public testing::Test {
+ protected:
+  static constexpr size_t middle = size_t{GlassHost::height / 2} * GlassHost::width + GlassHost::width / 2;
+  FixedPane() : depth_(host.gl) {
+    host.attach(depth_);
+    light_.position[0] = 0.5, light_.position[1] = 0.3, light_.position[2] = 4, light_.position[3] = 1;
+    for (int c = 0; c < 3; ++c) light_.diffuse[c] = 0.5f, light_.ambient[c] = 0.25f, light_.specular[c] = 0.2f;
+    for (int c = 0; c < 3; ++c) material_.diffuse[c] = material_.ambient[c] = 1, material_.specular[c] = 0.5f;
+    material_.shininess = 1;
+    for (float& c : model_.ambient) c = 0;
+    commit();
+  }
+  void commit() {
+    model_.lights = &light_, model_.light_count = 1;
+    host.scene().set_fixed_material(host.pane_desc().material, material_);
+    host.scene().set_fixed_function(model_);
+    host.scene().commit();
+  }
+  sideray_instance put_wall() {
+    sideray_instance_desc wall = host.pane_desc();
+    sideray_material_desc desc = sideray_material_defaults();
+    desc.double_sided = 1;
+    wall.material = host.scene().add_material(desc);
+    wall.surface_id = 9, wall.visibility = SIDERAY_VISIBLE_SHADOW;
+    wall.world_from_object[11] = 3.5;
+    const sideray_instance instance = host.scene().add_instances({&wall, 1}).front();
+    host.scene().commit();
+    return instance;
+  }
+  GlassHost::Picture shown(const FrameInputs& in) {
+    host.trace(in);
+    return host.draw(program_, 330);
+  }
+  GlassHost::Picture shown() { return shown(host.inputs()); }
+
+  GlassHost host;
+  sideray_fixed_light light_ = sideray_fixed_light_defaults();
+  sideray_fixed_material material_ = sideray_fixed_material_defaults();
+  sideray_fixed_function model_ = sideray_fixed_function_defaults();
+
+ private:
+  gl::Renderbuffer depth_;
+  gl::Program program_ = host.program(330, "sideray_translucent(vec3(0.0, 0.0, 1.0), world, id)");
+};
+
+TEST_F(FixedPane, ShadowsTakeDirectLightAlone) {
+  for (const int separate : {0, 1}) {
+    model_.separate_specular = separate;
+    light_.casts_shadows = 1;
+    commit();
+    const float lit = shown()[middle].x;
+    EXPECT_GT(lit, 0.7f);
+    const sideray_instance wall = put_wall();
+    EXPECT_NEAR(shown()[middle].x, 0.25f, code / 2) << "in shadow";
+    light_.casts_shadows = 0;
+    commit();
+    EXPECT_NEAR(shown()[middle].x, lit, code / 2) << "a light without shadows";
+    host.scene().remove_instances(std::array{wall});
+  }
+}
+
+TEST_F(FixedPane, HasTwoSidesWhereTheModelSaysSo) {
+  light_.position[2] = -4;
+  material_.specular[0] = 0;
+  commit();
+  EXPECT_NEAR(shown()[middle].x, 0.25f, code / 2) << "lit from behind";
+  sideray_instance_desc turned = host.pane_desc();
+  turned.world_from_object[0] = -1, turned.world_from_object[8] = -1;
+  host.scene().replace_instances(std::array{host.pane()}, std::array{turned});
+  commit();
+  EXPECT_GT(shown()[middle].x, 0.6f) << "its front looks to the light, its back to the eye";
+  model_.two_sided = 1;
+  commit();
+  EXPECT_NEAR(shown()[middle].x, 0.25f, code / 2) << "its back looks away from the light";
+}
+
+// All that is faster than a ray for each pixel, shadow and mirror works as with the built-in model.
+TEST_F(FixedPane, HasTheFastWays) {
+  put_wall();
+  material_.reflectance[0] = 0.3f;
+  const std::vector<float> sky(3 * 2 * 2, 0.5f);
+  host.scene().set_environment(2, 2, sky.data(), 1.0f, 0.0f);
+  for (const int separate : {0, 1}) {
+    model_.separate_specular = separate;
+    commit();
+    FrameInputs in = host.inputs();
+    const GlassHost::Picture exact = shown(in);
+    in.layers->ray_reuse = 1.0f / 64;
+    sideray_ticket ticket = host.service().submit(in).value();
+    ASSERT_TRUE(host.service().wait(ticket));
+    EXPECT_GT(host.service().stats(ticket).layers_borrowed, 500u);
+    const GlassHost::Picture reused = shown(in);
+    for (size_t i = 0; i < exact.size(); ++i) ASSERT_NEAR(reused[i].x, exact[i].x, 1.0f / 64 + code) << i;
+    std::vector<uint8_t> one(size_t{GlassHost::width} * GlassHost::height, 1);
+    in.frame.source.mask = SIDERAY_MASK_MEMORY;
+    in.frame.source.mask_texels = one.data(), in.frame.source.mask_row_bytes = GlassHost::width;
+    in.layers->whole_pixels = 1;
+    ticket = host.service().submit(in).value();
+    ASSERT_TRUE(host.service().wait(ticket));
+    const uint32_t whole = host.service().layers()->whole_radiance_texture;
+    ASSERT_NE(whole, 0u);
+    GlassHost::Picture picture(exact.size());
+    host.gl.BindTexture(GL_TEXTURE_2D, whole);
+    host.gl.GetTexImage(GL_TEXTURE_2D, 0, GL_RGBA, GL_FLOAT, picture.data());
+    constexpr size_t inside = middle + 9;  // of a triangle
+    EXPECT_NEAR(picture[inside].x, 0.5f * reused[inside].x, code) << "half of it covers";
+  }
+}
+
+// A frame keeps what it was committed with: the caller's structs may go at once.
+TEST_F(FixedPane, IsCopied) {
+  const float before = shown()[middle].x;
+  light_.diffuse[0] = 0, light_.ambient[0] = 0, material_.diffuse[0] = 0;
+  EXPECT_EQ(shown()[middle].x, before);
+  commit();
+  EXPECT_LT(shown()[middle].x, before - 0.2f);
+}
+
+TEST_F(FixedPane, WhatItIsGivenIsChecked) {
+  sideray_error error{};
+  sideray_scene* scene = host.scene().get();
+  const auto refused = [&](sideray_status status, const char* what) {
+    EXPECT_EQ(status, SIDERAY_INVALID_ARGUMENT) << what;
+    EXPECT_THAT(error.message, testing::HasSubstr(what));
+  };
+  const auto set_light = [&] { return sideray_scene_set_fixed_function(scene, &model_, &error); };
+  const auto set_material = [&] { return sideray_scene_set_fixed_material(scene, host.pane_desc().material, &material_, &error); };
+  light_.spot_cutoff_deg = 120;
+  refused(set_light(), "spot_cutoff_deg is 120; give 0 to 90, or 180");
+  light_.spot_cutoff_deg = 180, light_.constant_attenuation = 0;
+  refused(set_light(), "all its attenuations are 0");
+  light_.constant_attenuation = 1, light_.diffuse[1] = -1;
+  refused(set_light(), "diffuse holds -1");
+  light_.diffuse[1] = 1, light_.position[3] = 0, light_.position[0] = light_.position[1] = light_.position[2] = 0;
+  refused(set_light(), "no direction");
+  material_.shininess = 129;
+  refused(set_material(), "shininess is 129");
+  material_.shininess = 1, material_.follows_color = 16;
+  refused(set_material(), "SIDERAY_FOLLOW_");
+  material_.follows_color = 0, material_.environment = static_cast<sideray_texture_environment>(4);
+  refused(set_material(), "environment 4");
+  sideray_shader_desc shader = sideray_shader_defaults();
+  shader.shade = [](void*, const sideray_shading_point*, size_t, sideray_shading_result*) {};
+  refused(sideray_scene_set_shader(scene, &shader, &error), "shaded by the fixed function");
+  FrameInputs in = host.inputs();
+  in.layers->mode = SIDERAY_COMPOSITE, in.layers->light_samples = 2;
+  sideray_ticket ticket = 0;
+  const sideray_frame_inputs c = in.c();
+  refused(sideray_service_submit(host.service().get(), &c, &ticket, &error), "light_samples 2");
+}
+
+}  // namespace
+}  // namespace sideray::tests
