@@ -19,6 +19,11 @@ bool blends_by_alpha(const DrawState& state) {
   return state.blend && state.blend_target == GL_ONE_MINUS_SRC_ALPHA && (state.blend_source == GL_SRC_ALPHA || state.blend_source == GL_ONE);
 }
 
+bool multiplies(const DrawState& state) {
+  return state.blend && ((state.blend_source == GL_DST_COLOR && state.blend_target == GL_ZERO) ||
+                         (state.blend_source == GL_ZERO && state.blend_target == GL_SRC_COLOR));
+}
+
 bool is_reflector(Kind kind) {
   return kind == Kind::glass || kind == Kind::water || kind == Kind::mirror;
 }
@@ -41,6 +46,13 @@ void draw_pixels(const std::array<GLint, 4>& viewport, const std::vector<uint8_t
   gl.WindowPos2i(viewport[0], viewport[1]);
   gl.DrawPixels(viewport[2], viewport[3], GL_RGB, GL_UNSIGNED_BYTE, pixels.data());
   gl.PopAttrib();
+}
+
+// Stages of one surface have the same vertices in the same places.
+bool is_same_surface(const Piece& a, const Piece& b) {
+  const std::vector<Vertex>&u = a.geometry->vertices, &v = b.geometry->vertices;
+  if (u.size() != v.size() || a.state.modelview != b.state.modelview || a.geometry->indices != b.geometry->indices) return false;
+  return std::equal(u.begin(), u.end(), v.begin(), [](const Vertex& x, const Vertex& y) { return std::equal(x.position, x.position + 4, y.position); });
 }
 
 void write_picture(const std::string& path, const std::array<GLint, 4>& viewport, const std::vector<uint8_t>& pixels) {
@@ -107,19 +119,42 @@ SceneDraw Frame::scene_draw(const Geometry& geometry, uint64_t hash, const DrawS
   return draw;
 }
 
-void Frame::show(const Geometry& geometry, uint64_t hash, const DrawState& state, const Decision& decision, const float tint[4]) {
-  if (!tracing_ || settings().off || gave_up()) return;
-  if (!scene_) scene_ = std::make_unique<TracedScene>();
-  SceneDraw draw = scene_draw(geometry, hash, state);
-  std::copy_n(tint, 4, draw.tint);
-  if (decision.taking == Taking::sky)
+// The second stage of an opaque surface, which multiplies: a light map as a rule.
+bool Frame::is_light_map_of_pending(const Piece& piece) const {
+  if (!pending_ || pending_->state.texture[1] != 0 || piece.state.texture[0] == 0 || !multiplies(piece.state)) return false;
+  return is_same_surface(*pending_, piece);
+}
+
+void Frame::add_pending() {
+  if (!pending_) return;
+  SceneDraw draw = scene_draw(*pending_->geometry, hash_of(*pending_->geometry, pending_->state.shows_colors()), pending_->state);
+  std::copy_n(pending_tint_, 4, draw.tint);
+  if (pending_->decision.taking == Taking::sky)
     scene_->add_sky(draw);
   else
     scene_->add_opaque(draw);
+  pending_.reset();
+}
+
+void Frame::show(Piece piece, const float tint[4]) {
+  if (!wants_scene() || gave_up()) return;
+  if (!scene_) scene_ = std::make_unique<TracedScene>();
+  if (is_light_map_of_pending(piece)) {
+    Geometry both = *pending_->geometry;
+    for (size_t i = 0; i < both.vertices.size(); ++i) std::copy_n(piece.geometry->vertices[i].uv[0], 4, both.vertices[i].uv[1]);
+    pending_->geometry = std::make_shared<const Geometry>(std::move(both));
+    pending_->state.texture[1] = piece.state.texture[0];
+    return;
+  }
+  add_pending();
+  if (piece.decision.taking != Taking::opaque && piece.decision.taking != Taking::sky) return;
+  pending_ = std::move(piece);
+  std::copy_n(tint, 4, pending_tint_);
 }
 
 void Frame::hold(std::vector<Piece> pieces, GLuint list) {
   if (!scene_) scene_ = std::make_unique<TracedScene>();
+  add_pending();
   Held& held = held_.emplace_back();
   held.state = SavedState::read();
   held.list = list;
@@ -127,12 +162,28 @@ void Frame::hold(std::vector<Piece> pieces, GLuint list) {
   if (held_.size() == 1) projection_ = held.pieces.front().state.projection, viewport_ = held.pieces.front().state.viewport;
   for (const Piece& piece : held.pieces) {
     if (piece.decision.taking != Taking::reflects) continue;
+    if (held_.size() > 1 && is_later_stage(piece)) continue;
     const uint32_t id = scene_->add_mirror(scene_draw(*piece.geometry, piece.hash, piece.state));
     if (id == 0) continue;
     const Rule& rule = piece.decision.rule;
     held.reflectors.push_back({piece.geometry.get(), piece.state.modelview, id, rule.reflectance, rule.kind != Kind::mirror});
   }
+  if (held_.size() > 1) pass_on_reflectors(held);
   ++figures_.held;
+}
+
+void Frame::pass_on_reflectors(Held& next) {
+  Held& before = held_[held_.size() - 2];
+  if (before.reflectors.empty() || next.pieces.size() != 1 || before.pieces.size() != 1) return;
+  if (!is_same_surface(before.pieces[0], next.pieces[0])) return;
+  next.reflectors = std::move(before.reflectors);
+  before.reflectors.clear();
+}
+
+// Whether the draw held before is of the same surface and reflects already.
+bool Frame::is_later_stage(const Piece& piece) const {
+  const Held& before = held_[held_.size() - 2];
+  return !before.reflectors.empty() && before.pieces.size() == 1 && is_same_surface(before.pieces[0], piece);
 }
 
 bool Frame::trace() {
@@ -141,6 +192,7 @@ bool Frame::trace() {
   for (const Held& held : held_)
     for (const Reflector& reflector : held.reflectors) reflectors.push_back(reflector), states.push_back(&held.state);
   if (reflectors.empty()) return false;
+  add_pending();
   GLfloat clear[4] = {};
   real().GetFloatv(GL_COLOR_CLEAR_VALUE, clear);
   scene_->set_background({clear[0], clear[1], clear[2]});
@@ -223,6 +275,7 @@ void Frame::end() {
   survey_.end_frame(figures_);
   figures_ = {};
   ++number_;
+  pending_.reset();
   if (scene_) scene_->begin_frame();
   drew_opaque_ = false;
   if (++frames_without_ > frames_of_interest) tracing_ = false;
@@ -233,6 +286,7 @@ void Frame::close(bool current) {
   if (current) flush();
   held_.clear();
   if (reflections_ && !current) reflections_->abandon();
+  pending_.reset();
   reflections_.reset();
   scene_.reset();
   textures_.clear();

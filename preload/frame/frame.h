@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "preload/base/rules.h"
+#include "preload/base/settings.h"
 #include "preload/capture/textures.h"
 #include "preload/frame/survey.h"
 #include "preload/gl/saved_state.h"
@@ -37,8 +38,8 @@ class Frame {
   // Before a draw. May draw what is held back, where this draw needs it done. `mesh`: 0 = not known yet.
   Decision decide(const DrawState& state, uint64_t mesh);
   // Whether opaque draws of this frame are wanted.
-  bool wants_scene() const { return tracing_; }
-  void show(const Geometry& geometry, uint64_t hash, const DrawState& state, const Decision& decision, const float tint[4]);
+  bool wants_scene() const { return tracing_ && !settings().off; }
+  void show(Piece piece, const float tint[4]);
   // Holds a draw back: of arrays, or of a display list where `list` is not 0.
   void hold(std::vector<Piece> pieces, GLuint list);
 
@@ -64,6 +65,11 @@ class Frame {
     SavedState state;
     std::vector<Reflector> reflectors;
   };
+  // Where a surface is drawn in several stages, what it reflects is drawn over the last.
+  void pass_on_reflectors(Held& next);
+  bool is_later_stage(const Piece& piece) const;
+  bool is_light_map_of_pending(const Piece& piece) const;
+  void add_pending();
   Taking taking_of(const DrawState& state, const Rule& rule) const;
   bool has_other_view(const DrawState& state) const;
   void trace_and_draw();
@@ -80,6 +86,9 @@ class Frame {
   std::unique_ptr<TracedScene> scene_;
   std::unique_ptr<Reflections> reflections_;
   std::vector<Held> held_;
+  // An opaque draw that the scene has not got yet: the next draw may multiply a light map onto it.
+  std::optional<Piece> pending_;
+  float pending_tint_[4] = {};
   Matrix projection_{};
   std::array<GLint, 4> viewport_{};
   bool drew_opaque_ = false, flushing_ = false;

@@ -97,13 +97,11 @@ void Session::end() {
     return;
   }
   const uint64_t hash = hash_of(geometry_, state_.shows_colors());
-  if (was_held) {
-    std::vector<Piece> pieces;
-    pieces.push_back({std::make_shared<const Geometry>(std::move(geometry_)), hash, state_, decision_});
-    frame_.hold(std::move(pieces), 0);
-  } else {
-    frame_.show(geometry_, hash, state_, decision_, white);
-  }
+  Piece piece{std::make_shared<const Geometry>(std::move(geometry_)), hash, state_, decision_};
+  if (was_held)
+    frame_.hold({std::move(piece)}, 0);
+  else
+    frame_.show(std::move(piece), white);
 }
 
 bool Session::take(Geometry geometry) {
@@ -114,12 +112,12 @@ bool Session::take(Geometry geometry) {
   const DrawState state = read_draw_state();
   const uint64_t hash = hash_of(geometry, state.shows_colors());
   const Decision decision = frame_.decide(state, hash);
-  if (decision.taking == Taking::opaque || decision.taking == Taking::sky) frame_.show(geometry, hash, state, decision, white);
-  if (!decision.holds()) return false;
-  std::vector<Piece> pieces;
-  pieces.push_back({std::make_shared<const Geometry>(std::move(geometry)), hash, state, decision});
-  frame_.hold(std::move(pieces), 0);
-  return true;
+  Piece piece{std::make_shared<const Geometry>(std::move(geometry)), hash, state, decision};
+  if (decision.holds())
+    frame_.hold({std::move(piece)}, 0);
+  else
+    frame_.show(std::move(piece), white);
+  return decision.holds();
 }
 
 bool Session::call_list(GLuint list) {
@@ -139,9 +137,9 @@ bool Session::call_list(GLuint list) {
     return true;
   }
   if (holds) frame_.survey().miss("display lists that change more than textures and cannot be held back");
-  for (const Piece& piece : pieces) {
-    const bool shows = piece.decision.taking == Taking::opaque || piece.decision.taking == Taking::sky;
-    if (shows) frame_.show(*piece.geometry, piece.hash, piece.state, piece.decision, piece.state.lighting ? white : current);
+  for (Piece& piece : pieces) {
+    const float* tint = piece.state.lighting ? white : current;
+    frame_.show(std::move(piece), tint);
   }
   return false;
 }

@@ -8,8 +8,7 @@
 namespace sideray::run {
 namespace {
 
-constexpr uint64_t kept_frames = 120;  // a mesh that is not drawn stays that long
-constexpr size_t most_meshes = 20000;
+constexpr uint64_t frames_a_cleaning = 8;
 constexpr float sky_scale = 1000;
 
 bool is_affine_and_invertible(const Matrix& m) {
@@ -54,14 +53,14 @@ void TracedScene::begin_frame() {
 }
 
 void TracedScene::drop_old_meshes() {
-  if (frame_ % 16 != 0 && meshes_.size() < most_meshes) return;
+  if (frame_ % frames_a_cleaning != 0) return;
   // Instances of the last commit hold their meshes until the next one replaces them.
   if (!held_.empty()) {
     scene_.remove_instances(held_);
     held_.clear();
   }
   for (auto at = meshes_.begin(); at != meshes_.end();) {
-    const bool old = frame_ - at->second.last_frame > (meshes_.size() < most_meshes ? kept_frames : 1);
+    const bool old = at->second.is_old(frame_);
     if (old && at->second.name != 0) scene_.remove_mesh(at->second.name);
     at = old ? meshes_.erase(at) : std::next(at);
   }
@@ -72,6 +71,7 @@ sideray_mesh TracedScene::mesh(const SceneDraw& draw) {
   const uint64_t key = mix(draw.hash, (lit ? 1u : 0u) + (draw.state->shows_colors() ? 2u : 0u));
   const auto [at, is_new] = meshes_.try_emplace(key);
   at->second.last_frame = frame_;
+  if (is_new) at->second.first_frame = frame_;
   if (!is_new) return at->second.name;
   std::vector<Vertex> vertices = draw.geometry->vertices;
   if (lit) normalize_normals(vertices);

@@ -46,7 +46,9 @@ class TracedScene {
  private:
   struct Mesh {
     sideray_mesh name = 0;
-    uint64_t last_frame = 0;
+    uint64_t first_frame = 0, last_frame = 0;
+    // Vertices that the program makes anew for each frame are not kept for long.
+    bool is_old(uint64_t now) const { return now - last_frame > (last_frame > first_frame ? 60u : 2u); }
   };
   using MaterialKey = std::tuple<uint64_t, uint64_t, bool, float>;
   bool place(const SceneDraw& draw, float scale, sideray_instance_desc& instance);
