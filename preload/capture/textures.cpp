@@ -10,12 +10,6 @@ namespace {
 constexpr int most_reads = 4;
 constexpr GLint largest = 4096;
 
-bool has_even_alpha(const std::vector<uint8_t>& texels) {
-  for (size_t i = 3; i < texels.size(); i += 4)
-    if (texels[i] != texels[3]) return false;
-  return true;
-}
-
 }  // namespace
 
 const Texture& Textures::find(GLuint name) {
@@ -51,7 +45,6 @@ void Textures::read(GLuint name, Texture& texture) {
     gl.GetTexImage(GL_TEXTURE_2D, 0, GL_RGBA, GL_UNSIGNED_BYTE, texture.texels.data());
     gl.PopClientAttrib();
     if (pack_buffer != 0) gl.BindBuffer(GL_PIXEL_PACK_BUFFER, static_cast<GLuint>(pack_buffer));
-    texture.even_alpha = has_even_alpha(texture.texels);
     texture.hash = hash_bytes(texture.texels.data(), texture.texels.size(), static_cast<uint64_t>(texture.width)) | 1u;
   }
   gl.BindTexture(GL_TEXTURE_2D, static_cast<GLuint>(bound));

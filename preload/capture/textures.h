@@ -13,7 +13,6 @@ struct Texture {
   uint64_t hash = 0;  // 0 = no texture
   GLint width = 0, height = 0;
   std::vector<uint8_t> texels;  // RGBA, rows as OpenGL is given them
-  bool even_alpha = true;       // alpha is the same everywhere
 };
 
 class Textures {

@@ -1,6 +1,7 @@
 #include "preload/frame/frame.h"
 
 #include <algorithm>
+#include <chrono>
 #include <fstream>
 
 #include "preload/base/png.h"
@@ -11,7 +12,7 @@ namespace sideray::run {
 namespace {
 
 constexpr int frames_of_interest = 60;    // without anything that reflects, after which the scene is no longer captured
-constexpr uint64_t frames_a_report = 300;  // a program that is killed leaves a report too
+constexpr auto time_between_reports = std::chrono::seconds(3);  // a program that is killed leaves a report too
 constexpr uint64_t frames_a_picture = 30;
 
 // Alpha blending, premultiplied or not: what lies behind is seen through it.
@@ -80,7 +81,8 @@ Taking Frame::taking_of(const DrawState& state, const Rule& rule) const {
   if (rule.kind == Kind::ignore || !state.writes_color) return joins_later && is_holding() ? Taking::held : Taking::left;
   if (is_reflector(rule.kind)) return Taking::reflects;
   const bool behind_all = !state.depth_test || !state.depth_write;
-  if (rule.kind == Kind::sky || (!state.blend && behind_all && !drew_opaque_)) return Taking::sky;
+  const bool may_be_sky = behind_all && !drew_opaque_ && !is_holding();
+  if (rule.kind == Kind::sky || (may_be_sky && (!state.blend || blends_by_alpha(state)))) return Taking::sky;
   if (rule.kind == Kind::opaque || !joins_later) return Taking::opaque;
   return is_holding() ? Taking::held : Taking::left;
 }
@@ -91,7 +93,7 @@ bool Frame::has_other_view(const DrawState& state) const {
 
 Decision Frame::decide(const DrawState& state, uint64_t mesh) {
   if (state.framebuffer != 0 || gave_up()) return {};
-  const bool over_all = !state.is_perspective() || (!state.depth_test && (state.blend || drew_opaque_));
+  const bool over_all = !state.is_perspective() || (!state.depth_test && (drew_opaque_ || is_holding()));
   if (over_all) {
     flush();
     return {};
@@ -99,7 +101,7 @@ Decision Frame::decide(const DrawState& state, uint64_t mesh) {
   const Texture& texture = textures_.find(state.texture[0]);
   Decision decision;
   decision.rule = rules_.find(texture.hash, mesh);
-  if (decision.rule.kind == Kind::unknown && blends_by_alpha(state) && state.lighting && state.depth_test && texture.even_alpha)
+  if (decision.rule.kind == Kind::unknown && blends_by_alpha(state) && state.lighting && state.depth_test && texture.hash == 0)
     decision.rule = {Kind::glass, usual_reflectance(Kind::glass), true};
   decision.taking = taking_of(state, decision.rule);
   if (decision.holds() && is_holding() && has_other_view(state)) flush();
@@ -129,6 +131,7 @@ void Frame::add_pending() {
   if (!pending_) return;
   SceneDraw draw = scene_draw(*pending_->geometry, hash_of(*pending_->geometry, pending_->state.shows_colors()), pending_->state);
   std::copy_n(pending_tint_, 4, draw.tint);
+  if (capture_) capture_->add(*draw.geometry, *draw.state, *draw.textures[0], false);
   if (pending_->decision.taking == Taking::sky)
     scene_->add_sky(draw);
   else
@@ -163,7 +166,9 @@ void Frame::hold(std::vector<Piece> pieces, GLuint list) {
   for (const Piece& piece : held.pieces) {
     if (piece.decision.taking != Taking::reflects) continue;
     if (held_.size() > 1 && is_later_stage(piece)) continue;
-    const uint32_t id = scene_->add_mirror(scene_draw(*piece.geometry, piece.hash, piece.state));
+    const SceneDraw draw = scene_draw(*piece.geometry, piece.hash, piece.state);
+    if (capture_) capture_->add(*draw.geometry, *draw.state, *draw.textures[0], true);
+    const uint32_t id = scene_->add_mirror(draw);
     if (id == 0) continue;
     const Rule& rule = piece.decision.rule;
     held.reflectors.push_back({piece.geometry.get(), piece.state.modelview, id, rule.reflectance, rule.kind != Kind::mirror});
@@ -206,7 +211,16 @@ bool Frame::trace() {
   figures_.instances = scene_->instances();
   figures_.meshes = scene_->meshes();
   ++figures_.batches;
+  write_scene();
   return true;
+}
+
+void Frame::write_scene() {
+  if (!capture_) return;
+  capture_->set_camera(projection_);
+  if (!capture_->write(settings().capture)) say("--capture: " + settings().capture + " cannot be written; name a file in a folder that is there");
+  capture_.reset();
+  captured_ = true;
 }
 
 void Frame::draw_held(bool with_rays) {
@@ -276,10 +290,15 @@ void Frame::end() {
   figures_ = {};
   ++number_;
   pending_.reset();
+  capture_.reset();
+  if (tracing_ && !captured_ && !settings().capture.empty()) capture_ = std::make_unique<SceneFile>();
   if (scene_) scene_->begin_frame();
   drew_opaque_ = false;
   if (++frames_without_ > frames_of_interest) tracing_ = false;
-  if (number_ % frames_a_report == 0) write_report();
+  const auto now = std::chrono::steady_clock::now();
+  if (now - reported_ < time_between_reports) return;
+  reported_ = now;
+  write_report();
 }
 
 void Frame::close(bool current) {

@@ -1,6 +1,7 @@
 // One frame of the program after the other: its draws pass, become what rays see, or are held back until their rays are there.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "preload/base/rules.h"
 #include "preload/base/settings.h"
 #include "preload/capture/textures.h"
+#include "preload/frame/scene_file.h"
 #include "preload/frame/survey.h"
 #include "preload/gl/saved_state.h"
 #include "preload/rays/reflections.h"
@@ -70,6 +72,7 @@ class Frame {
   bool is_later_stage(const Piece& piece) const;
   bool is_light_map_of_pending(const Piece& piece) const;
   void add_pending();
+  void write_scene();
   Taking taking_of(const DrawState& state, const Rule& rule) const;
   bool has_other_view(const DrawState& state) const;
   void trace_and_draw();
@@ -83,6 +86,8 @@ class Frame {
   Textures textures_;
   Survey survey_;
   Survey::Frame figures_;
+  std::unique_ptr<SceneFile> capture_;  // of this frame, until it is written
+  bool captured_ = false;
   std::unique_ptr<TracedScene> scene_;
   std::unique_ptr<Reflections> reflections_;
   std::vector<Held> held_;
@@ -96,6 +101,7 @@ class Frame {
   int frames_without_ = 0;
   uint64_t number_ = 0;
   std::string ended_, renderer_;
+  std::chrono::steady_clock::time_point reported_;
 };
 
 }  // namespace sideray::run

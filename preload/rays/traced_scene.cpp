@@ -104,7 +104,8 @@ sideray_texture TracedScene::texture(const Texture& texture) {
 
 sideray_material TracedScene::material(const SceneDraw& draw, bool mirrors) {
   const Texture &first = *draw.textures[0], &second = *draw.textures[1];
-  const float cutoff = draw.state->alpha_test && !mirrors ? draw.state->alpha_reference : 0;
+  // Of what is blended (clouds, hills before a sky) rays see what covers more than half.
+  const float cutoff = mirrors ? 0 : draw.state->blend ? 0.5f : draw.state->alpha_test ? draw.state->alpha_reference : 0;
   const auto [at, is_new] = materials_.try_emplace({first.hash, second.hash, mirrors, cutoff}, 0);
   if (!is_new) return at->second;
   sideray_material_desc desc = sideray_material_defaults();
