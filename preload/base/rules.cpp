@@ -9,7 +9,7 @@
 namespace sideray::run {
 namespace {
 
-constexpr std::array<const char*, 8> names = {"unknown", "opaque", "glass", "water", "mirror", "fire", "sky", "ignore"};
+constexpr std::array<const char*, 7> names = {"unknown", "opaque", "glass", "water", "mirror", "sky", "ignore"};
 
 Kind kind_of(const std::string& name) {
   for (size_t i = 1; i < names.size(); ++i)
@@ -19,7 +19,7 @@ Kind kind_of(const std::string& name) {
 
 [[noreturn]] void refuse(const std::string& where, const std::string& what) {
   throw std::runtime_error(where + ": " + what + "; a line is KIND texture|mesh HASH [reflectance=0..1], KIND one of glass, "
-                           "water, mirror, fire, sky, opaque, ignore");
+                           "water, mirror, sky, opaque, ignore");
 }
 
 float reflectance_of(const std::string& word, const std::string& where) {

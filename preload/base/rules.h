@@ -7,7 +7,7 @@
 
 namespace sideray::run {
 
-enum class Kind { unknown, opaque, glass, water, mirror, fire, sky, ignore };
+enum class Kind { unknown, opaque, glass, water, mirror, sky, ignore };
 
 const char* kind_name(Kind kind);
 

@@ -161,6 +161,34 @@ class RunTest(unittest.TestCase):
         process.stderr.close()
         self.assertIn("frames_with_rays", (self.folder / "report.html").read_text())
 
+    def test_a_rule_makes_the_floor_a_mirror(self):
+        self.run_fixed(options=["--off"])
+        hashes = re.findall(r"<code>([0-9a-f]{16})</code></td><td><img", (self.folder / "report.html").read_text())
+        self.assertEqual(len(hashes), 1)
+        (self.folder / "rules").write_text(f"mirror texture {hashes[0]} reflectance=0.5  # the floor\n")
+        plain = self.plain()
+        seen, said, figures = self.run_fixed(options=["--rules", "rules"])
+        self.assertEqual(said, "")
+        self.assertEqual(figures["draws_held"], 6)
+        # Half of the floor, and half of the sky that stands above it.
+        x, y = 20, 180
+        for channel, sky in enumerate((76.5, 127.5, 204)):
+            self.assertAlmostEqual(seen.at(x, y)[channel], 0.5 * plain.at(x, y)[channel] + 0.5 * sky, delta=2)
+
+    def test_the_scene_is_captured(self):
+        self.run_fixed(frames=4, options=["--capture", "scene.glb"])
+        done = self.start([PROGRAM, "info", "--json", "scene.glb"])
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("28", done.stdout)
+        self.assertIn("camera0", done.stdout)
+
+    def test_pictures_without_and_with_rays(self):
+        (self.folder / "pictures").mkdir()
+        self.run_fixed(frames=2, options=["--pictures", "pictures"])
+        self.assertEqual(sorted(path.name for path in (self.folder / "pictures").iterdir()), ["0-after.png", "0-before.png"])
+        done = self.start([PROGRAM, "compare", "pictures/0-after.png", "pictures/0-before.png"])
+        self.assertNotIn("inf", done.stdout.splitlines()[0], done.stdout)
+
     def test_wrong_rules_are_refused_in_one_line(self):
         (self.folder / "rules").write_text("# glass\nglas texture 0123456789abcdef\n")
         plain = self.plain()
