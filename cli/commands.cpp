@@ -18,6 +18,7 @@
 #include "cli/options/comparison.h"
 #include "cli/plan/plan.h"
 #include "cli/render/render.h"
+#include "cli/run/run.h"
 #include "cli/stress/stress.h"
 #include "cli/view/view.h"
 #include "scenes/builtin/builtin.h"
@@ -261,6 +262,18 @@ Command add_view(CLI::App& program) {
   app->add_option("SCENE", arguments->scene, "a .gltf or .glb file, or a built-in scene");
   add_options(*app, view_table(), arguments->given);
   return {app, [arguments] { return view(arguments->scene, arguments->given); }};
+}
+
+Command add_run(CLI::App& program) {
+  auto arguments = std::make_shared<RunArguments>();
+  CLI::App* app = program.add_subcommand("run", "gives an unmodified OpenGL program ray-traced glass, water and mirrors");
+  app->add_option("--rules", arguments->rules, "what textures and meshes are taken for (docs/run.md)")->type_name("FILE");
+  app->add_option("--report", arguments->report, "writes what was met and what it was taken for")->type_name("PAGE.html");
+  app->add_option("--capture", arguments->capture, "writes the scene of a frame with rays")->type_name("FILE.glb");
+  app->add_option("--pictures", arguments->pictures, "writes frames without and with rays into a folder")->type_name("DIR");
+  app->add_flag("--off", arguments->off, "looks on alone: the program's own picture");
+  app->add_option("PROGRAM", arguments->words, "behind --, with its arguments");
+  return {app, [arguments] { return run_program(*arguments); }};
 }
 
 Command add_compare(CLI::App& program) {

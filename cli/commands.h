@@ -23,6 +23,7 @@ Command add_chart(CLI::App& program);
 Command add_stress(CLI::App& program);
 Command add_plan(CLI::App& program);
 Command add_view(CLI::App& program);
+Command add_run(CLI::App& program);
 Command add_compare(CLI::App& program);
 Command add_info(CLI::App& program);
 Command add_make(CLI::App& program);

@@ -30,7 +30,7 @@ std::string version_line() {
 }
 
 std::vector<Command> add_commands(CLI::App& program) {
-  return {add_render(program), add_view(program),   add_bench(program),  add_chart(program),  add_stress(program),
+  return {add_render(program), add_view(program),   add_run(program),   add_bench(program), add_chart(program),  add_stress(program),
           add_plan(program),   add_compare(program), add_info(program),   add_make(program),
           add_status(program), add_gather(program), add_golden(program),  add_devices(program),
           add_option_list(program)};

@@ -5,6 +5,9 @@ install(TARGETS sideray_library sideray_scenes_library EXPORT sideray COMPONENT 
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS sideray RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+if(TARGET sideray_run)
+  install(TARGETS sideray_run LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/sideray)
+endif()
 if(TARGET sideray-view)
   install(TARGETS sideray-view COMPONENT viewer RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()

@@ -1,0 +1,29 @@
+#include "preload/base/settings.h"
+
+#include <unistd.h>
+
+#include <cstdlib>
+
+namespace sideray::run {
+namespace {
+
+std::string variable(const char* name) {
+  const char* value = std::getenv(name);
+  return value ? value : "";
+}
+
+}  // namespace
+
+const Settings& settings() {
+  static const Settings all = {variable("SIDERAY_RUN_OFF") == "1", variable("SIDERAY_RUN_RULES"),
+                               variable("SIDERAY_RUN_REPORT"), variable("SIDERAY_RUN_CAPTURE"),
+                               variable("SIDERAY_RUN_PICTURES")};
+  return all;
+}
+
+void say(const std::string& line) {
+  const std::string whole = "sideray run: " + line + "\n";
+  (void)!::write(STDERR_FILENO, whole.data(), whole.size());
+}
+
+}  // namespace sideray::run

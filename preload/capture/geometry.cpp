@@ -1,0 +1,90 @@
+#include "preload/capture/geometry.h"
+
+#include "preload/base/hash.h"
+#include "preload/gl/functions.h"
+
+namespace sideray::run {
+namespace {
+
+// Calls f(a, b, c) for each triangle of a primitive of `count` vertices, given as places in its order.
+template <typename F>
+void for_each_triangle(GLenum mode, uint32_t count, F&& f) {
+  switch (mode) {
+    case GL_TRIANGLES:
+      for (uint32_t i = 0; i + 2 < count; i += 3) f(i, i + 1, i + 2);
+      break;
+    case GL_TRIANGLE_STRIP:
+      for (uint32_t i = 0; i + 2 < count; ++i) i % 2 == 0 ? f(i, i + 1, i + 2) : f(i + 1, i, i + 2);
+      break;
+    case GL_QUADS:
+      for (uint32_t i = 0; i + 3 < count; i += 4) f(i, i + 1, i + 2), f(i, i + 2, i + 3);
+      break;
+    case GL_QUAD_STRIP:
+      for (uint32_t i = 0; i + 3 < count; i += 2) f(i, i + 1, i + 3), f(i, i + 3, i + 2);
+      break;
+    case GL_TRIANGLE_FAN:
+    case GL_POLYGON:
+      for (uint32_t i = 1; i + 1 < count; ++i) f(0u, i, i + 1);
+      break;
+    default:
+      break;
+  }
+}
+
+void set_unit(const Functions& gl, int unit, const Vertex& first) {
+  gl.ClientActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+  gl.EnableClientState(GL_TEXTURE_COORD_ARRAY);
+  gl.TexCoordPointer(4, GL_FLOAT, sizeof(Vertex), first.uv[unit]);
+}
+
+void disable_units_above_two(const Functions& gl) {
+  for (GLenum unit = 2; unit < 8; ++unit) {
+    gl.ClientActiveTexture(GL_TEXTURE0 + unit);
+    gl.DisableClientState(GL_TEXTURE_COORD_ARRAY);
+  }
+}
+
+}  // namespace
+
+std::vector<uint32_t> triangles_of(const Geometry& geometry) {
+  std::vector<uint32_t> triangles;
+  const auto vertex = [&](uint32_t place) { return geometry.indices.empty() ? place : geometry.indices[place]; };
+  for_each_triangle(geometry.mode, static_cast<uint32_t>(geometry.count()), [&](uint32_t a, uint32_t b, uint32_t c) {
+    triangles.insert(triangles.end(), {vertex(a), vertex(b), vertex(c)});
+  });
+  return triangles;
+}
+
+uint64_t hash_of(const Geometry& geometry, bool with_colors) {
+  uint64_t hash = mix(geometry.mode, with_colors);
+  for (const Vertex& vertex : geometry.vertices) {
+    hash = hash_bytes(vertex.position, sizeof(vertex.position), hash);
+    hash = hash_bytes(vertex.uv, sizeof(vertex.uv), hash);
+    hash = hash_bytes(vertex.normal, sizeof(vertex.normal), hash);
+    if (with_colors) hash = hash_bytes(vertex.color, sizeof(vertex.color), hash);
+  }
+  return hash_bytes(geometry.indices.data(), geometry.indices.size() * sizeof(uint32_t), hash);
+}
+
+void draw(const Geometry& geometry) {
+  if (geometry.vertices.empty()) return;
+  const Functions& gl = real();
+  const Vertex& first = geometry.vertices.front();
+  if (gl.BindBuffer) gl.BindBuffer(GL_ARRAY_BUFFER, 0), gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, 0);
+  for (const GLenum array : {GLenum{GL_INDEX_ARRAY}, GLenum{GL_EDGE_FLAG_ARRAY}, GLenum{GL_FOG_COORD_ARRAY}, GLenum{GL_SECONDARY_COLOR_ARRAY}})
+    gl.DisableClientState(array);
+  for (const GLenum array : {GLenum{GL_VERTEX_ARRAY}, GLenum{GL_NORMAL_ARRAY}, GLenum{GL_COLOR_ARRAY}}) gl.EnableClientState(array);
+  gl.VertexPointer(4, GL_FLOAT, sizeof(Vertex), first.position);
+  gl.NormalPointer(GL_FLOAT, sizeof(Vertex), first.normal);
+  gl.ColorPointer(4, GL_FLOAT, sizeof(Vertex), first.color);
+  disable_units_above_two(gl);
+  set_unit(gl, 1, first);
+  set_unit(gl, 0, first);
+  const auto count = static_cast<GLsizei>(geometry.count());
+  if (geometry.indices.empty())
+    gl.DrawArrays(geometry.mode, 0, count);
+  else
+    gl.DrawElements(geometry.mode, count, GL_UNSIGNED_INT, geometry.indices.data());
+}
+
+}  // namespace sideray::run

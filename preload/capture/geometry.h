@@ -1,0 +1,36 @@
+// What one draw gives OpenGL: vertices and how they are joined.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "preload/gl/entry_points.h"
+
+namespace sideray::run {
+
+struct Vertex {
+  float position[4] = {0, 0, 0, 1};
+  float color[4] = {1, 1, 1, 1};
+  float uv[2][4] = {{0, 0, 0, 1}, {0, 0, 0, 1}};  // of the first two texture units
+  float normal[3] = {0, 0, 1};
+};
+
+struct Geometry {
+  GLenum mode = GL_TRIANGLES;
+  std::vector<Vertex> vertices;
+  std::vector<uint32_t> indices;  // empty = one vertex after the other
+
+  size_t count() const { return indices.empty() ? vertices.size() : indices.size(); }
+  bool is_surface() const { return mode >= GL_TRIANGLES && count() >= 3; }
+};
+
+// Indices of three vertices a triangle. OpenGL's order, so that the front face stays the front face.
+std::vector<uint32_t> triangles_of(const Geometry& geometry);
+
+// Names the geometry: its positions, texture coordinates, normals and joints; and its colours, where they count.
+uint64_t hash_of(const Geometry& geometry, bool with_colors);
+
+// Draws it by the driver, with the arrays of the fixed function. Changes client state and the current attributes.
+void draw(const Geometry& geometry);
+
+}  // namespace sideray::run

@@ -1,0 +1,69 @@
+// Display lists: what is compiled into them is noted, so that a call of the list is known to draw it.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "preload/capture/draw_state.h"
+#include "preload/capture/geometry.h"
+
+namespace sideray::run {
+
+// A piece of geometry as a list's call draws it.
+struct ListPiece {
+  std::shared_ptr<const Geometry> geometry;
+  uint64_t hash = 0;
+  bool colored = false;  // it has colours of its own; otherwise the current one counts
+};
+
+class Lists {
+ public:
+  bool is_recording() const { return recording_ != 0; }
+  GLuint recording() const { return recording_; }
+  void begin(GLuint list);
+  void end();
+  void remove(GLuint first, GLsizei count);
+  void clear() { lists_.clear(), recording_ = 0; }
+
+  // Commands that are compiled.
+  void add(Geometry geometry, bool colored);
+  void add_call(GLuint list);
+  void add_texture(GLuint name);
+  void add_switch(GLenum name, bool on);
+  void add_matrix_mode(GLenum mode);
+  void add_matrix(const Matrix& matrix, bool replaces);
+  void add_push(bool push);
+  // Something whose effect is not known here: the list is never held back.
+  void add_unknown();
+
+  // Calls f(piece, state) for each piece that the list draws where OpenGL's state is `state`.
+  using Visitor = std::function<void(const ListPiece&, const DrawState&)>;
+  void visit(GLuint list, DrawState state, const Visitor& f) const;
+  // Whether its calls change nothing but textures and the current attributes.
+  bool can_be_held(GLuint list, int depth = 0) const;
+
+ private:
+  struct Command {
+    enum { piece, call, texture, flag, matrix_mode, multiply, load, push, pop, unknown } what;
+    ListPiece drawn;
+    GLuint name = 0;
+    bool on = false;
+    Matrix matrix{};
+  };
+  struct Walk {
+    DrawState state;
+    bool in_modelview = true;
+    std::vector<Matrix> stack;
+  };
+  void note(Command command);
+  void walk(GLuint list, Walk& walk, int depth, const Visitor& f) const;
+
+  std::map<GLuint, std::vector<Command>> lists_;
+  GLuint recording_ = 0;
+};
+
+Matrix product(const Matrix& a, const Matrix& b);
+
+}  // namespace sideray::run

@@ -1,0 +1,37 @@
+// The program's 2D textures: read back where a draw first uses them, and named by what they show.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "preload/gl/entry_points.h"
+
+namespace sideray::run {
+
+struct Texture {
+  uint64_t hash = 0;  // 0 = no texture
+  GLint width = 0, height = 0;
+  std::vector<uint8_t> texels;  // RGBA, rows as OpenGL is given them
+};
+
+class Textures {
+ public:
+  // 0: no texture, with hash 0. Reads the texture where it is new or was changed; it must be bound nowhere in particular.
+  const Texture& find(GLuint name);
+  void changed(GLuint name);
+  void deleted(GLuint name) { known_.erase(name); }
+  void clear() { known_.clear(); }
+
+ private:
+  struct Known {
+    Texture texture;
+    bool stale = true;
+    int reads = 0;
+  };
+  static void read(GLuint name, Texture& texture);
+  std::map<GLuint, Known> known_;
+  const Texture none_;
+};
+
+}  // namespace sideray::run

@@ -1,0 +1,159 @@
+#include "preload/frame/session.h"
+
+#include <cstdlib>
+
+#include "preload/gl/functions.h"
+
+namespace sideray::run {
+namespace {
+
+thread_local GLXContext current_context = nullptr;
+
+constexpr float white[4] = {1, 1, 1, 1};
+
+// A list that is held back leaves the texture and the attributes of its last vertex, as if it had been drawn.
+void leave_as_drawn(const Piece& last) {
+  const Functions& gl = real();
+  const Vertex& vertex = last.geometry->vertices.back();
+  if (last.state.texture[0] != 0) gl.BindTexture(GL_TEXTURE_2D, last.state.texture[0]);
+  gl.Normal3fv(vertex.normal);
+  gl.TexCoord4fv(vertex.uv[0]);
+}
+
+GLXContext context_of_thread() {
+  static const auto current = real_function<decltype(&::glXGetCurrentContext)>("glXGetCurrentContext");
+  if (!current_context && current) current_context = current();
+  return current_context;
+}
+
+}  // namespace
+
+Session& session() {
+  static Session* const one = new Session;
+  return *one;
+}
+
+Session::Session() {
+  std::atexit([] { session().frame_.write_report(); });
+}
+
+bool Session::looks() {
+  if (frame_.gave_up()) return false;
+  const GLXContext context = context_of_thread();
+  if (!context) return false;
+  if (!context_) context_ = context;
+  if (context == context_) return true;
+  frame_.give_up("it draws in several contexts, and one is all that is followed");
+  return false;
+}
+
+void Session::make_current(GLXContext context) {
+  current_context = context;
+}
+
+void Session::destroy(GLXContext context) {
+  if (!context || context != context_) return;
+  frame_.close(context == current_context);
+  lists_.clear();
+  arrays_.clear();
+  context_ = nullptr;
+  if (current_context == context) current_context = nullptr;
+}
+
+void Session::swap() {
+  if (looks()) frame_.end();
+}
+
+void Session::begin_list(GLuint list) {
+  lists_.begin(list);
+  next_ = Vertex();
+  colored_ = false;
+}
+
+bool Session::begin(GLenum mode) {
+  open_ = held_ = false;
+  if (!looks()) return false;
+  if (!lists_.is_recording()) {
+    state_ = read_draw_state();
+    decision_ = frame_.decide(state_, 0);
+    const bool shows = decision_.taking == Taking::opaque || decision_.taking == Taking::sky;
+    if (!decision_.holds() && !(shows && frame_.wants_scene())) return false;
+    next_ = read_attributes();
+    held_ = decision_.holds();
+  }
+  geometry_ = Geometry();
+  geometry_.mode = mode;
+  open_ = true;
+  return held_;
+}
+
+void Session::end() {
+  if (!open_) return;
+  const bool was_held = held_;
+  open_ = held_ = false;
+  if (geometry_.vertices.empty()) return;
+  if (lists_.is_recording()) {
+    lists_.add(std::move(geometry_), colored_);
+    return;
+  }
+  const uint64_t hash = hash_of(geometry_, state_.shows_colors());
+  Piece piece{std::make_shared<const Geometry>(std::move(geometry_)), hash, state_, decision_};
+  if (was_held)
+    frame_.hold({std::move(piece)}, 0);
+  else
+    frame_.show(std::move(piece), white);
+}
+
+bool Session::take(Geometry geometry) {
+  if (lists_.is_recording()) {
+    lists_.add(std::move(geometry), real().IsEnabled(GL_COLOR_ARRAY) == GL_TRUE);
+    return false;
+  }
+  const DrawState state = read_draw_state();
+  const uint64_t hash = hash_of(geometry, state.shows_colors());
+  const Decision decision = frame_.decide(state, hash);
+  Piece piece{std::make_shared<const Geometry>(std::move(geometry)), hash, state, decision};
+  if (decision.holds())
+    frame_.hold({std::move(piece)}, 0);
+  else
+    frame_.show(std::move(piece), white);
+  return decision.holds();
+}
+
+bool Session::call_list(GLuint list) {
+  std::vector<Piece> pieces;
+  lists_.visit(list, read_draw_state(), [&](const ListPiece& piece, const DrawState& state) {
+    pieces.push_back({piece.geometry, piece.hash, state, frame_.decide(state, piece.hash)});
+  });
+  if (pieces.empty()) return false;
+  float current[4] = {1, 1, 1, 1};
+  real().GetFloatv(GL_CURRENT_COLOR, current);
+  bool holds = false;
+  for (const Piece& piece : pieces) holds = holds || piece.decision.holds();
+  if (holds && lists_.can_be_held(list)) {
+    const Piece last = pieces.back();
+    frame_.hold(std::move(pieces), list);
+    leave_as_drawn(last);
+    return true;
+  }
+  if (holds) frame_.survey().miss("display lists that change more than textures and cannot be held back");
+  for (Piece& piece : pieces) {
+    const float* tint = piece.state.lighting ? white : current;
+    frame_.show(std::move(piece), tint);
+  }
+  return false;
+}
+
+void Session::before_other(const char* name) {
+  if (!looks() || lists_.is_recording()) return;
+  frame_.survey().miss(name);
+  before_change();
+}
+
+void Session::uses_shaders(const char* name) {
+  if (!looks()) return;
+  before_change();
+  frame_.give_up(std::string("it uses shaders (") + name + "), and the fixed function is all that is followed");
+}
+
+}  // namespace sideray::run

@@ -1,0 +1,74 @@
+#include "preload/gl/functions.h"
+
+#include <dlfcn.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+namespace sideray::run {
+namespace {
+
+using Dlsym = void* (*)(void*, const char*);
+
+// The library exports a dlsym of its own, so that this one is asked for with its version.
+Dlsym find_dlsym() {
+  for (const char* version : {"GLIBC_2.34", "GLIBC_2.17", "GLIBC_2.2.5"})
+    if (void* found = ::dlvsym(RTLD_NEXT, "dlsym", version)) return reinterpret_cast<Dlsym>(found);
+  std::fputs("sideray run: this C library has no dlsym of a known version; run the program without sideray\n", stderr);
+  std::abort();
+}
+
+void* open_driver() {
+  for (const char* name : {"libGL.so.1", "libGLX.so.0"})
+    if (void* handle = ::dlopen(name, RTLD_LAZY | RTLD_GLOBAL)) return handle;
+  std::fputs("sideray run: there is no libGL.so.1; install libgl1\n", stderr);
+  std::abort();
+}
+
+Functions load() {
+  Functions functions;
+#define LOAD(name) functions.name = real_function<decltype(functions.name)>("gl" #name);
+  SIDERAY_RUN_CALLED(LOAD)
+  SIDERAY_RUN_HOOKED(LOAD)
+#undef LOAD
+#define LOAD(name, count, suffix, type)                                                                                  \
+  functions.name##count##suffix = real_function<decltype(functions.name##count##suffix)>("gl" #name #count #suffix);       \
+  functions.name##count##suffix##v = real_function<decltype(functions.name##count##suffix##v)>("gl" #name #count #suffix "v");
+  SIDERAY_RUN_ATTRIBUTES(LOAD)
+  SIDERAY_RUN_UNIT_ATTRIBUTES(LOAD)
+#undef LOAD
+  return functions;
+}
+
+}  // namespace
+
+const Functions& real() {
+  static const Functions functions = load();
+  return functions;
+}
+
+GLint get_integer(GLenum name) {
+  GLint value = 0;
+  real().GetIntegerv(name, &value);
+  return value;
+}
+
+bool is_enabled(GLenum name) {
+  return real().IsEnabled(name) == GL_TRUE;
+}
+
+void* real_dlsym(void* handle, const char* name) {
+  static const Dlsym function = find_dlsym();
+  return function(handle, name);
+}
+
+void* real_symbol(const char* name) {
+  static void* const driver = open_driver();
+  if (void* found = real_dlsym(driver, name)) return found;
+  static const auto get_proc_address =
+      reinterpret_cast<decltype(&::glXGetProcAddressARB)>(real_dlsym(driver, "glXGetProcAddressARB"));
+  return get_proc_address ? reinterpret_cast<void*>(get_proc_address(reinterpret_cast<const GLubyte*>(name))) : nullptr;
+}
+
+}  // namespace sideray::run

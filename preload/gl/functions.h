@@ -1,0 +1,37 @@
+// The driver's own functions.
+#pragma once
+
+#include "preload/gl/entry_points.h"
+
+namespace sideray::run {
+
+struct Functions {
+#define MEMBER(name) decltype(&::gl##name) name = nullptr;
+  SIDERAY_RUN_CALLED(MEMBER)
+  SIDERAY_RUN_HOOKED(MEMBER)
+#undef MEMBER
+#define MEMBER(name, count, suffix, type)                          \
+  decltype(&::gl##name##count##suffix) name##count##suffix = nullptr; \
+  decltype(&::gl##name##count##suffix##v) name##count##suffix##v = nullptr;
+  SIDERAY_RUN_ATTRIBUTES(MEMBER)
+  SIDERAY_RUN_UNIT_ATTRIBUTES(MEMBER)
+#undef MEMBER
+};
+
+// Found in libGL at the first call. What an old driver lacks is null.
+const Functions& real();
+
+// State of the current context.
+GLint get_integer(GLenum name);
+bool is_enabled(GLenum name);
+
+// dlsym of the C library, and a function of the driver.
+void* real_dlsym(void* handle, const char* name);
+void* real_symbol(const char* name);
+
+template <typename Function>
+Function real_function(const char* name) {
+  return reinterpret_cast<Function>(real_symbol(name));
+}
+
+}  // namespace sideray::run

@@ -1,0 +1,45 @@
+// How the program's surfaces look where rays hit them: the lighting of the fixed function, textures and colours.
+#pragma once
+
+#include <sideray/ready_shade.h>
+
+#include <deque>
+#include <vector>
+
+#include "preload/capture/draw_state.h"
+
+namespace sideray::run {
+
+// The looks of a frame's draws; sideray_instance_desc::user is the place of one.
+class Looks {
+ public:
+  void clear();
+  // `tint`: multiplied onto it. Reads the lights that are set now.
+  uint64_t add(const DrawState& state, const float tint[4]);
+  // Of glass, water and mirrors: a layer holds what they reflect, and nothing else. The shader that draws them weights it.
+  uint64_t add_mirror(const DrawState& state, const float tint[4]);
+
+  // A sideray_shade; `user` is a Looks that nobody changes meanwhile.
+  static void shade(void* user, const sideray_shading_point* points, size_t count, sideray_shading_result* results);
+
+ private:
+  struct Look {
+    const sideray_fixed_function* lighting = nullptr;  // null = not lit
+    sideray_fixed_material material{};
+    float tint[3] = {1, 1, 1};
+    bool second_texture = false, mirrors = false;
+  };
+  struct Lit {
+    Lighting as_read;
+    std::vector<sideray_fixed_light> lights;
+    sideray_fixed_function function{};
+  };
+  Look look_of(const DrawState& state, const float tint[4]);
+  const sideray_fixed_function* lighting_now();
+  static void shade(const Look& look, const sideray_shading_point& point, sideray_shading_result& result);
+
+  std::vector<Look> looks_;
+  std::deque<Lit> lits_;  // their places stay
+};
+
+}  // namespace sideray::run

@@ -1,0 +1,277 @@
+#include "preload/rays/reflections.h"
+
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "preload/gl/functions.h"
+
+namespace sideray::run {
+namespace {
+
+constexpr GLenum first_unit = 4;  // behind those that the fixed function of such programs uses
+
+constexpr const char* vertex_text = R"(#version 120
+varying vec3 eye_position, eye_normal;
+void main() {
+  gl_Position = ftransform();
+  eye_position = (gl_ModelViewMatrix * gl_Vertex).xyz;
+}
+)";
+
+// What is reflected, weighted by how much of it a surface of this tilt reflects. Blended so that the rest lets through what
+// is drawn already.
+constexpr const char* fragment_text = R"(
+varying vec3 eye_position;
+uniform float surface, reflectance, fresnel;
+void main() {
+  vec3 reflected;
+  bool found = sideray_find(eye_position, surface, reflected);
+  vec3 normal = normalize(cross(dFdx(eye_position), dFdy(eye_position)));
+  float cosine = clamp(abs(dot(normal, normalize(eye_position))), 0.0, 1.0);
+  float weight = reflectance + fresnel * (1.0 - reflectance) * pow(1.0 - cosine, 5.0);
+  if (!found) discard;
+  gl_FragColor = vec4(weight * reflected, weight);
+}
+)";
+
+void* get_proc_address(void*, const char* name) {
+  return real_symbol(name);
+}
+
+Service make_service(const TracedScene& scene) {
+  const sideray_host_gl host = {sizeof(host), get_proc_address, nullptr};
+  return Service::create(scene.tracer(), host).value();
+}
+
+[[noreturn]] void refuse(const std::string& what) {
+  throw Error(SIDERAY_UNSUPPORTED, what);
+}
+
+GLuint compile(GLenum type, const std::string& text) {
+  const Functions& gl = real();
+  const GLuint shader = gl.CreateShader(type);
+  const char* source = text.c_str();
+  gl.ShaderSource(shader, 1, &source, nullptr);
+  gl.CompileShader(shader);
+  GLint done = 0;
+  gl.GetShaderiv(shader, GL_COMPILE_STATUS, &done);
+  if (done) return shader;
+  char log[512] = "";
+  gl.GetShaderInfoLog(shader, sizeof(log), nullptr, log);
+  refuse(std::string("the driver does not compile the shader of reflections: ") + log);
+}
+
+GLuint link() {
+  const Functions& gl = real();
+  const GLuint program = gl.CreateProgram();
+  for (const GLuint shader : {compile(GL_VERTEX_SHADER, vertex_text),
+                              compile(GL_FRAGMENT_SHADER, std::string("#version 120\n") + sideray_glsl(120) + fragment_text)}) {
+    gl.AttachShader(program, shader);
+    gl.DeleteShader(shader);
+  }
+  gl.LinkProgram(program);
+  GLint done = 0;
+  gl.GetProgramiv(program, GL_LINK_STATUS, &done);
+  if (!done) refuse("the driver does not link the shader of reflections");
+  return program;
+}
+
+std::array<double, 16> inverse(const Matrix& matrix) {
+  std::array<double, 32> rows{};
+  for (size_t row = 0; row < 4; ++row)
+    for (size_t column = 0; column < 4; ++column) {
+      rows[8 * row + column] = static_cast<double>(matrix[4 * column + row]);
+      rows[8 * row + 4 + column] = row == column ? 1 : 0;
+    }
+  for (size_t pivot = 0; pivot < 4; ++pivot) {
+    size_t best = pivot;
+    for (size_t row = pivot; row < 4; ++row)
+      if (std::abs(rows[8 * row + pivot]) > std::abs(rows[8 * best + pivot])) best = row;
+    for (size_t column = 0; column < 8; ++column) std::swap(rows[8 * pivot + column], rows[8 * best + column]);
+    const double scale = 1 / rows[8 * pivot + pivot];
+    for (size_t column = 0; column < 8; ++column) rows[8 * pivot + column] *= scale;
+    for (size_t row = 0; row < 4; ++row) {
+      if (row == pivot) continue;
+      const double factor = rows[8 * row + pivot];
+      for (size_t column = 0; column < 8; ++column) rows[8 * row + column] -= factor * rows[8 * pivot + column];
+    }
+  }
+  std::array<double, 16> result{};
+  for (size_t row = 0; row < 4; ++row)
+    for (size_t column = 0; column < 4; ++column) result[4 * column + row] = rows[8 * row + 4 + column];
+  return result;
+}
+
+// World space is eye space.
+sideray_view view_of(const Matrix& projection) {
+  sideray_view view{};
+  const std::array<double, 16> inverted = inverse(projection);
+  for (size_t i = 0; i < 16; ++i) {
+    view.clip_from_world[i] = static_cast<double>(projection[i]);
+    view.world_from_clip[i] = inverted[i];
+  }
+  return view;
+}
+
+void load_matrices(const Matrix& projection, const Matrix& modelview) {
+  const Functions& gl = real();
+  gl.MatrixMode(GL_PROJECTION);
+  gl.LoadMatrixf(projection.data());
+  gl.MatrixMode(GL_MODELVIEW);
+  gl.LoadMatrixf(modelview.data());
+}
+
+// The depth of the surface as drawn, or a little nearer: the copy may have been rounded.
+void test_depth() {
+  const Functions& gl = real();
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthFunc(GL_LEQUAL);
+  gl.DepthMask(GL_FALSE);
+  gl.Enable(GL_POLYGON_OFFSET_FILL);
+  gl.PolygonOffset(-1, -2);
+}
+
+GLuint make_texture() {
+  const Functions& gl = real();
+  GLuint texture = 0;
+  gl.GenTextures(1, &texture);
+  gl.BindTexture(GL_TEXTURE_2D, texture);
+  for (const GLenum filter : {GLenum{GL_TEXTURE_MIN_FILTER}, GLenum{GL_TEXTURE_MAG_FILTER}}) gl.TexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+  return texture;
+}
+
+}  // namespace
+
+Reflections::Reflections(const TracedScene& scene) : service_(make_service(scene)), program_(link()) {
+  const Functions& gl = real();
+  surface_location_ = gl.GetUniformLocation(program_, "surface");
+  reflectance_location_ = gl.GetUniformLocation(program_, "reflectance");
+  fresnel_location_ = gl.GetUniformLocation(program_, "fresnel");
+}
+
+Reflections::~Reflections() {
+  const Functions& gl = real();
+  if (program_ != 0) gl.DeleteProgram(program_);
+  if (framebuffer_ != 0) gl.DeleteFramebuffers(1, &framebuffer_);
+  for (const GLuint texture : {depth_, mask_})
+    if (texture != 0) gl.DeleteTextures(1, &texture);
+  if (!queries_.empty()) gl.DeleteQueries(static_cast<GLsizei>(queries_.size()), queries_.data());
+}
+
+void Reflections::abandon() {
+  service_.abandon_context();
+  program_ = framebuffer_ = depth_ = mask_ = 0;
+  queries_.clear();
+}
+
+void Reflections::make_target(GLint width, GLint height) {
+  const Functions& gl = real();
+  if (framebuffer_ == 0) gl.GenFramebuffers(1, &framebuffer_), depth_ = make_texture(), mask_ = make_texture();
+  if (width == width_ && height == height_) return;
+  width_ = width, height_ = height;
+  gl.BindTexture(GL_TEXTURE_2D, mask_);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_R8, width, height, 0, GL_RED, GL_UNSIGNED_BYTE, nullptr);
+  gl.BindTexture(GL_TEXTURE_2D, depth_);
+  gl.CopyTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, 0, 0, width, height, 0);
+}
+
+void Reflections::draw_mask(const std::vector<Reflector>& reflectors, const std::vector<const SavedState*>& states, const Matrix& projection,
+                            const std::array<GLint, 4>& viewport) {
+  const Functions& gl = real();
+  gl.ActiveTexture(GL_TEXTURE0);
+  if (gl.BindBuffer) gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+  make_target(viewport[0] + viewport[2], viewport[1] + viewport[3]);
+  gl.BindTexture(GL_TEXTURE_2D, depth_);
+  gl.CopyTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 0, 0, width_, height_);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, mask_, 0);
+  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth_, 0);
+  if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) refuse("the driver cannot draw into a mask beside a depth texture");
+  gl.Disable(GL_SCISSOR_TEST);
+  gl.ColorMask(1, 1, 1, 1);
+  gl.ClearColor(0, 0, 0, 0);
+  gl.Clear(GL_COLOR_BUFFER_BIT);
+  for (size_t i = 0; i < reflectors.size(); ++i) {
+    states[i]->apply();
+    for (const GLenum off : {GL_LIGHTING, GL_FOG, GL_BLEND, GL_ALPHA_TEST, GL_STENCIL_TEST, GL_POLYGON_STIPPLE, GL_COLOR_LOGIC_OP}) gl.Disable(off);
+    for (GLenum unit = 0; unit < 4; ++unit) {
+      gl.ActiveTexture(GL_TEXTURE0 + unit);
+      gl.Disable(GL_TEXTURE_2D);
+      gl.Disable(GL_TEXTURE_CUBE_MAP);
+    }
+    gl.ColorMask(1, 1, 1, 1);
+    test_depth();
+    load_matrices(projection, reflectors[i].modelview);
+    // White: arrays would bring the program's colours.
+    gl.UseProgram(0);
+    Geometry white;
+    white.mode = reflectors[i].geometry->mode;
+    white.indices = reflectors[i].geometry->indices;
+    white.vertices = reflectors[i].geometry->vertices;
+    for (Vertex& vertex : white.vertices)
+      for (float& c : vertex.color) c = 1;
+    run::draw(white);
+  }
+  gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
+}
+
+void Reflections::trace(const std::vector<Reflector>& reflectors, const std::vector<const SavedState*>& states, const Matrix& projection,
+                        const std::array<GLint, 4>& viewport) {
+  draw_mask(reflectors, states, projection, viewport);
+  FrameInputs inputs;
+  inputs.frame.view = view_of(projection);
+  inputs.frame.source.framebuffer = 0;
+  inputs.frame.source.x = viewport[0];
+  inputs.frame.source.y = viewport[1];
+  inputs.frame.source.width = viewport[2];
+  inputs.frame.source.height = viewport[3];
+  inputs.frame.source.mask = SIDERAY_MASK_TEXTURE;
+  inputs.frame.source.mask_texture = mask_;
+  inputs.layers->float_ids = 1;
+  inputs.layers->max_layers = 4;
+  inputs.frame.shadows = 0;
+  const std::optional<sideray_ticket> ticket = service_.submit(inputs);
+  if (!ticket) return;
+  service_.wait(*ticket);
+  stats_ = service_.stats(*ticket);
+  service_.bind(program_, first_unit);
+}
+
+void Reflections::draw(const Reflector& reflector) {
+  const Functions& gl = real();
+  test_depth();
+  gl.Enable(GL_BLEND);
+  gl.BlendEquation(GL_FUNC_ADD);
+  gl.BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  gl.Disable(GL_ALPHA_TEST);
+  gl.MatrixMode(GL_MODELVIEW);
+  gl.LoadMatrixf(reflector.modelview.data());
+  service_.bind(program_, first_unit);
+  gl.UseProgram(program_);
+  gl.Uniform1f(surface_location_, static_cast<float>(reflector.surface_id));
+  gl.Uniform1f(reflectance_location_, reflector.reflectance);
+  gl.Uniform1f(fresnel_location_, reflector.fresnel ? 1.0f : 0.0f);
+  GLuint query = 0;
+  gl.GenQueries(1, &query);
+  queries_.push_back(query);
+  gl.BeginQuery(GL_SAMPLES_PASSED, query);
+  run::draw(*reflector.geometry);
+  gl.EndQuery(GL_SAMPLES_PASSED);
+  gl.UseProgram(0);
+}
+
+uint64_t Reflections::fragments_answered() {
+  const Functions& gl = real();
+  uint64_t sum = 0;
+  for (const GLuint query : queries_) {
+    GLuint passed = 0;
+    gl.GetQueryObjectuiv(query, GL_QUERY_RESULT, &passed);
+    sum += passed;
+  }
+  if (!queries_.empty()) gl.DeleteQueries(static_cast<GLsizei>(queries_.size()), queries_.data());
+  queries_.clear();
+  return sum;
+}
+
+}  // namespace sideray::run

@@ -1,0 +1,189 @@
+#include "preload/rays/traced_scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "preload/base/hash.h"
+
+namespace sideray::run {
+namespace {
+
+constexpr uint64_t frames_a_cleaning = 8;
+constexpr float sky_scale = 1000;
+
+bool is_affine_and_invertible(const Matrix& m) {
+  if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1) return false;
+  const auto d = [&](size_t i) { return static_cast<double>(m[i]); };
+  const double determinant = d(0) * (d(5) * d(10) - d(6) * d(9)) - d(4) * (d(1) * d(10) - d(2) * d(9)) + d(8) * (d(1) * d(6) - d(2) * d(5));
+  return std::isfinite(determinant) && std::abs(determinant) > 1e-12;
+}
+
+void normalize_normals(std::vector<Vertex>& vertices) {
+  for (Vertex& vertex : vertices) {
+    float* n = vertex.normal;
+    const float length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    if (length > 0)
+      for (int c = 0; c < 3; ++c) n[c] /= length;
+    else
+      n[0] = n[1] = 0, n[2] = 1;
+  }
+}
+
+sideray_attribute attribute(const float* data) {
+  return {data, sizeof(Vertex)};
+}
+
+}  // namespace
+
+TracedScene::TracedScene() : scene_(Scene::create().value()), tracer_(Tracer::create(scene_).value()) {
+  sideray_shader_desc shader = sideray_shader_defaults();
+  shader.shade = Looks::shade;
+  shader.user = &looks_;
+  shader.radiance_space = SIDERAY_SPACE_GAMMA22;  // the fixed function adds up what is shown
+  scene_.set_shader(shader);
+}
+
+void TracedScene::begin_frame() {
+  ++frame_;
+  wanted_.clear();
+  looks_.clear();
+  next_id_ = 1;
+  sheets_ = 0;
+  drop_old_meshes();
+}
+
+void TracedScene::drop_old_meshes() {
+  if (frame_ % frames_a_cleaning != 0) return;
+  // Instances of the last commit hold their meshes until the next one replaces them.
+  if (!held_.empty()) {
+    scene_.remove_instances(held_);
+    held_.clear();
+  }
+  for (auto at = meshes_.begin(); at != meshes_.end();) {
+    const bool old = at->second.is_old(frame_);
+    if (old && at->second.name != 0) scene_.remove_mesh(at->second.name);
+    at = old ? meshes_.erase(at) : std::next(at);
+  }
+}
+
+sideray_mesh TracedScene::mesh(const SceneDraw& draw) {
+  const bool lit = draw.state->lighting;
+  const uint64_t key = mix(draw.hash, (lit ? 1u : 0u) + (draw.state->shows_colors() ? 2u : 0u));
+  const auto [at, is_new] = meshes_.try_emplace(key);
+  at->second.last_frame = frame_;
+  if (is_new) at->second.first_frame = frame_;
+  if (!is_new) return at->second.name;
+  std::vector<Vertex> vertices = draw.geometry->vertices;
+  if (lit) normalize_normals(vertices);
+  const std::vector<uint32_t> triangles = triangles_of(*draw.geometry);
+  sideray_mesh_desc desc = sideray_mesh_defaults();
+  desc.vertex_count = static_cast<uint32_t>(vertices.size());
+  desc.index_count = static_cast<uint32_t>(triangles.size());
+  desc.indices = triangles.data();
+  desc.positions = attribute(vertices[0].position);
+  if (lit) desc.normals = attribute(vertices[0].normal);
+  if (draw.state->shows_colors()) desc.colors = attribute(vertices[0].color);
+  desc.uv0 = attribute(vertices[0].uv[0]);
+  desc.uv1 = attribute(vertices[0].uv[1]);
+  uint32_t dropped = 0;
+  const sideray_mesh name = scene_.add_mesh(desc, &dropped);
+  if (3 * static_cast<size_t>(dropped) >= triangles.size()) {
+    scene_.remove_mesh(name);
+    return 0;
+  }
+  at->second.name = name;
+  return name;
+}
+
+sideray_texture TracedScene::texture(const Texture& texture) {
+  const auto [at, is_new] = textures_.try_emplace(texture.hash, 0);
+  if (is_new)
+    at->second = scene_.add_texture(static_cast<uint32_t>(texture.width), static_cast<uint32_t>(texture.height), SIDERAY_RGBA8, texture.texels.data());
+  return at->second;
+}
+
+sideray_material TracedScene::material(const SceneDraw& draw, bool mirrors) {
+  const Texture &first = *draw.textures[0], &second = *draw.textures[1];
+  // Of what is blended (clouds, hills before a sky) rays see what covers more than half.
+  const float cutoff = mirrors ? 0 : draw.state->blend ? 0.5f : draw.state->alpha_test ? draw.state->alpha_reference : 0;
+  const auto [at, is_new] = materials_.try_emplace({first.hash, second.hash, mirrors, cutoff}, 0);
+  if (!is_new) return at->second;
+  sideray_material_desc desc = sideray_material_defaults();
+  desc.double_sided = 1;
+  desc.alpha_mode = mirrors ? SIDERAY_BLEND : cutoff > 0 ? SIDERAY_MASK : SIDERAY_OPAQUE;
+  desc.alpha_cutoff = cutoff;
+  if (mirrors) desc.base_color[3] = 0.5f;
+  // Layers of glass are what it mirrors: holes of its texture are those of the program's own picture.
+  if (first.hash != 0 && !mirrors) desc.base_color_texture.texture = texture(first);
+  if (second.hash != 0 && !mirrors) {
+    desc.emissive_texture.texture = texture(second);  // a light map: Looks multiplies by it
+    desc.emissive_texture.uv_set = 1;
+    std::fill_n(desc.emissive, 3, 1.0f);
+  }
+  at->second = scene_.add_material(desc);
+  return at->second;
+}
+
+bool TracedScene::place(const SceneDraw& draw, float scale, sideray_instance_desc& instance) {
+  if (!draw.geometry->is_surface() || !is_affine_and_invertible(draw.state->modelview)) return false;
+  instance.mesh = mesh(draw);
+  if (instance.mesh == 0) return false;
+  for (size_t column = 0; column < 4; ++column)
+    for (size_t row = 0; row < 3; ++row)
+      instance.world_from_object[3 * column + row] = static_cast<double>(scale) * static_cast<double>(draw.state->modelview[4 * column + row]);
+  return true;
+}
+
+void TracedScene::add_opaque(const SceneDraw& draw) {
+  sideray_instance_desc instance{};
+  if (!place(draw, 1, instance)) return;
+  instance.material = material(draw, false);
+  instance.user = looks_.add(*draw.state, draw.tint);
+  instance.visibility = SIDERAY_VISIBLE_REFLECTION;
+  wanted_.push_back(instance);
+}
+
+void TracedScene::add_sky(const SceneDraw& draw) {
+  sideray_instance_desc instance{};
+  if (!place(draw, sky_scale * std::pow(0.9f, static_cast<float>(sheets_)), instance)) return;
+  ++sheets_;
+  instance.material = material(draw, false);
+  instance.user = looks_.add(*draw.state, draw.tint);
+  instance.visibility = SIDERAY_VISIBLE_REFLECTION;
+  wanted_.push_back(instance);
+}
+
+uint32_t TracedScene::add_mirror(const SceneDraw& draw) {
+  sideray_instance_desc instance{};
+  if (!place(draw, 1, instance)) return 0;
+  instance.material = material(draw, true);
+  instance.user = looks_.add_mirror(*draw.state, draw.tint);
+  instance.visibility = SIDERAY_VISIBLE_LAYERS;
+  instance.surface_id = next_id_++;
+  wanted_.push_back(instance);
+  return instance.surface_id;
+}
+
+void TracedScene::set_background(const std::array<float, 3>& color) {
+  if (color == background_) return;
+  background_ = color;
+  std::array<float, 12> linear;  // two by two pixels, the fewest that there may be
+  for (size_t i = 0; i < linear.size(); ++i) linear[i] = std::pow(std::clamp(color[i % 3], 0.0f, 1.0f), 2.2f);
+  scene_.set_environment(2, 2, linear.data(), 1, 0);
+}
+
+void TracedScene::commit() {
+  const size_t common = std::min(held_.size(), wanted_.size());
+  const std::span wanted(wanted_);
+  // Surplus ones go first: their surface ids may be wanted again.
+  if (held_.size() > common) scene_.remove_instances(std::span(held_).subspan(common));
+  held_.resize(common);
+  if (common > 0) scene_.replace_instances(held_, wanted.first(common));
+  if (wanted.size() > common) {
+    const std::vector<sideray_instance> added = scene_.add_instances(wanted.subspan(common));
+    held_.insert(held_.end(), added.begin(), added.end());
+  }
+  scene_.commit();
+}
+
+}  // namespace sideray::run

@@ -1,0 +1,223 @@
+#!/usr/bin/python3
+"""run_test.py PROGRAM FIXED_PROGRAM: `sideray run` with a program of the fixed function on a display of its own (Xvfb).
+
+Skipped (77) without Xvfb, GLX or libsideray_run.so, which fails instead where SIDERAY_REQUIRE_CONTEXTS is set.
+"""
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+PROGRAM, FIXED = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
+
+
+class Display:
+    """An X server."""
+
+    def __init__(self):
+        read, write = os.pipe()
+        self.server = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "800x600x24", "-nolisten", "tcp", "-noreset"],
+                                       pass_fds=[write], stderr=subprocess.DEVNULL)
+        os.close(write)
+        with os.fdopen(read) as stream:
+            self.environment = {**os.environ, "DISPLAY": ":" + stream.readline().strip(), "LIBGL_ALWAYS_SOFTWARE": "1"}
+
+    def end(self):
+        self.server.terminate()
+        self.server.wait()
+
+
+class Picture:
+    def __init__(self, path):
+        line, self.pixels = path.read_bytes().split(b"\n", 1)
+        magic, width, height, _ = line.split()
+        assert magic == b"P6"
+        self.width, self.height = int(width), int(height)
+
+    def at(self, x, y):
+        place = 3 * (y * self.width + x)
+        return tuple(self.pixels[place:place + 3])
+
+    def changed(self, other):
+        """The pixels that differ, as (x, y)."""
+        return {(i // 3 % self.width, i // 3 // self.width) for i, (a, b) in enumerate(zip(self.pixels, other.pixels)) if a != b}
+
+
+class RunTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.display = Display()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.display.end()
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def start(self, words):
+        return subprocess.run([str(word) for word in words], env=self.display.environment, cwd=self.folder, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, text=True, timeout=100, check=False)
+
+    def plain(self, *what, frames=3):
+        done = self.start([FIXED, frames, "plain.ppm", *what])
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return Picture(self.folder / "plain.ppm")
+
+    def run_fixed(self, *what, frames=3, options=()):
+        """The picture, what was said, and the figures of the report."""
+        done = self.start([PROGRAM, "run", "--report", "report.html", *options, "--", FIXED, frames, "run.ppm", "error", *what])
+        self.assertEqual(done.returncode, 0, done.stderr)
+        report = (self.folder / "report.html").read_text()
+        figures = {name: float(value) for name, value in re.findall(r"<tr><td>(\w+)</td><td>([\d.]+)</td></tr>", report)}
+        return Picture(self.folder / "run.ppm"), done.stderr, figures
+
+    def test_off_changes_no_bit(self):
+        plain = self.plain("smoke", "overlay")
+        seen, said, figures = self.run_fixed("smoke", "overlay", options=["--off"])
+        self.assertEqual(seen.pixels, plain.pixels)
+        self.assertEqual(said, "")
+        self.assertEqual(figures["draws_held"], 0)
+
+    def test_glass_shows_rays_and_nothing_else_changes(self):
+        plain = self.plain()
+        seen, said, figures = self.run_fixed()
+        self.assertEqual(said, "")
+        self.assertEqual(figures["frames_with_rays"], 3)
+        # All of the pane has its answers.
+        self.assertEqual(figures["fragments_by_rays"], figures["layers_found"])
+        self.assertGreater(figures["fragments_by_rays"], 3 * 12000)
+        changed = plain.changed(seen)
+        self.assertGreater(len(changed), 5000)
+        self.assertTrue(all(77 <= x <= 243 and 57 <= y <= 158 for x, y in changed), "outside of the pane")
+        # Glass of 4 %: the top of the red box, which stands on the eye's side, is mirrored in the pane; above it the sky.
+        top = [min(255, round(255 * c * (0.2 + 0.8305))) for c in (0.9, 0.1, 0.1)]  # ambient, and the sun's cosine
+        for place, mirrored in (((150, 100), top), ((150, 60), (76, 128, 204))):
+            for channel in range(3):
+                expected = 0.96 * plain.at(*place)[channel] + 0.04 * mirrored[channel]
+                self.assertAlmostEqual(seen.at(*place)[channel], expected, delta=1)
+
+    def test_opened_functions_are_followed(self):
+        seen, _, figures = self.run_fixed("opened")
+        linked, _, _ = self.run_fixed()
+        self.assertGreater(figures["fragments_by_rays"], 0)
+        self.assertEqual(seen.pixels, linked.pixels)
+
+    def test_the_order_of_draws_stays(self):
+        """Smoke before the pane lies over what the pane reflects, and an overlay over both."""
+        plain, pane = self.plain("smoke", "overlay"), self.plain()
+        seen, _, figures = self.run_fixed("smoke", "overlay")
+        self.assertEqual(figures["draws_held"], 6)
+        self.assertEqual(figures["batches"], 3)
+        without, _, _ = self.run_fixed()
+        for x, y in ((150, 90), (170, 90), (200, 80)):
+            added = [a - b for a, b in zip(without.at(x, y), pane.at(x, y))]
+            layers = (0.5 if x < 185 else 1) * (0.5 if x >= 160 else 1)
+            for channel in range(3):
+                self.assertAlmostEqual(seen.at(x, y)[channel] - plain.at(x, y)[channel], layers * added[channel], delta=2)
+
+    def test_shaders_are_passed_through(self):
+        plain = self.plain("shaders")
+        seen, said, figures = self.run_fixed("shaders")
+        self.assertEqual(seen.pixels, plain.pixels)
+        self.assertEqual(said.count("\n"), 1)
+        self.assertIn("uses shaders (glUseProgram)", said)
+
+    def test_several_contexts_are_passed_through(self):
+        plain = self.plain("contexts")
+        seen, said, _ = self.run_fixed("contexts")
+        self.assertEqual(seen.pixels, plain.pixels)
+        self.assertEqual(said.count("\n"), 1)
+        self.assertIn("several contexts", said)
+
+    def test_the_window_is_resized(self):
+        seen, said, figures = self.run_fixed("resize", frames=4)
+        self.assertEqual((seen.width, seen.height, said), (400, 200, ""))
+        self.assertEqual(figures["frames_with_rays"], 4)
+
+    def test_lists_are_made_anew(self):
+        seen, _, figures = self.run_fixed("lists", frames=200)
+        once, _, _ = self.run_fixed()
+        self.assertEqual(seen.pixels, once.pixels)
+        self.assertLess(figures["meshes_kept"], 8)
+
+    def test_a_killed_program_dies_as_ever(self):
+        process = subprocess.Popen([PROGRAM, "run", "--report", "report.html", "--", FIXED, "1000000", "run.ppm"], env=self.display.environment,
+                                   cwd=self.folder, stderr=subprocess.PIPE)
+        deadline = time.monotonic() + 60
+        while not (self.folder / "report.html").exists() and time.monotonic() < deadline:
+            time.sleep(0.1)
+        process.terminate()
+        self.assertEqual(process.wait(timeout=20), -signal.SIGTERM)
+        self.assertEqual(process.stderr.read(), b"")
+        process.stderr.close()
+        self.assertIn("frames_with_rays", (self.folder / "report.html").read_text())
+
+    def test_a_rule_makes_the_floor_a_mirror(self):
+        self.run_fixed(options=["--off"])
+        hashes = re.findall(r"<code>([0-9a-f]{16})</code></td><td><img", (self.folder / "report.html").read_text())
+        self.assertEqual(len(hashes), 1)
+        (self.folder / "rules").write_text(f"mirror texture {hashes[0]} reflectance=0.5  # the floor\n")
+        plain = self.plain()
+        seen, said, figures = self.run_fixed(options=["--rules", "rules"])
+        self.assertEqual(said, "")
+        self.assertEqual(figures["draws_held"], 6)
+        # Half of the floor, and half of the sky that stands above it.
+        x, y = 20, 180
+        for channel, sky in enumerate((76.5, 127.5, 204)):
+            self.assertAlmostEqual(seen.at(x, y)[channel], 0.5 * plain.at(x, y)[channel] + 0.5 * sky, delta=2)
+
+    def test_the_scene_is_captured(self):
+        self.run_fixed(frames=4, options=["--capture", "scene.glb"])
+        done = self.start([PROGRAM, "info", "--json", "scene.glb"])
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("28", done.stdout)
+        self.assertIn("camera0", done.stdout)
+
+    def test_pictures_without_and_with_rays(self):
+        (self.folder / "pictures").mkdir()
+        self.run_fixed(frames=2, options=["--pictures", "pictures"])
+        self.assertEqual(sorted(path.name for path in (self.folder / "pictures").iterdir()), ["0-after.png", "0-before.png"])
+        done = self.start([PROGRAM, "compare", "pictures/0-after.png", "pictures/0-before.png"])
+        self.assertNotIn("inf", done.stdout.splitlines()[0], done.stdout)
+
+    def test_wrong_rules_are_refused_in_one_line(self):
+        (self.folder / "rules").write_text("# glass\nglas texture 0123456789abcdef\n")
+        plain = self.plain()
+        seen, said, _ = self.run_fixed(options=["--rules", "rules"])
+        self.assertEqual(seen.pixels, plain.pixels)
+        self.assertIn("rules line 2: \"glas\" is no kind", said)
+        self.assertEqual(said.count("\n"), 1)
+
+    def test_what_cannot_be_run_is_said(self):
+        done = self.start([PROGRAM, "run", "--", "no-such-program"])
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("no-such-program cannot be run", done.stderr)
+
+
+def missing():
+    if not shutil.which("Xvfb"):
+        return "Xvfb"
+    if not (PROGRAM.parent / "libsideray_run.so").exists():
+        return "libsideray_run.so"
+    display = Display()
+    with tempfile.TemporaryDirectory() as folder:
+        works = subprocess.run([str(FIXED), "1", folder + "/one.ppm"], env=display.environment, stderr=subprocess.DEVNULL, check=False).returncode == 0
+    display.end()
+    return None if works else "GLX on it"
+
+
+if __name__ == "__main__":
+    lacking = missing()
+    if lacking:
+        print(f"skipped: there is no {lacking}")
+        sys.exit(1 if os.environ.get("SIDERAY_REQUIRE_CONTEXTS") else 77)
+    unittest.main(argv=sys.argv[:1] + sys.argv[3:])
