@@ -29,6 +29,7 @@ OpaqueRays opaque_rays_of(const model::Snapshot& snapshot) {
   OpaqueRays chosen{};
   if (!(snapshot.environment->mean > 0.0f)) chosen.why_no_ao = "no ambient occlusion: no light comes from the surroundings";
   if (!has_light(snapshot)) chosen.why_no_bounce = "no light bounces: nothing sends any";
+  if (snapshot.fixed) chosen.why_no_bounce = "no light bounces: the fixed function knows none that does";
   if (!has_mirror(snapshot)) chosen.why_no_reflections = "no opaque surface is smooth enough to mirror what rays hit";
   return chosen;
 }
