@@ -8,6 +8,9 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#if __cplusplus > 201703L
+#include <span>  // hosts of C++20 had it from here before 0.3
+#endif
 #include <stdexcept>
 #include <string>
 #include <type_traits>
