@@ -20,6 +20,10 @@ bool blends_by_alpha(const DrawState& state) {
   return state.blend && state.blend_target == GL_ONE_MINUS_SRC_ALPHA && (state.blend_source == GL_SRC_ALPHA || state.blend_source == GL_ONE);
 }
 
+bool looks_like_glass(const DrawState& state) {
+  return blends_by_alpha(state) && state.alpha < 0.99f && state.lighting && state.depth_test;
+}
+
 bool multiplies(const DrawState& state) {
   return state.blend && ((state.blend_source == GL_DST_COLOR && state.blend_target == GL_ZERO) ||
                          (state.blend_source == GL_ZERO && state.blend_target == GL_SRC_COLOR));
@@ -120,7 +124,7 @@ Decision Frame::decide(const DrawState& state, uint64_t mesh) {
   const Texture& texture = textures_.find(state.texture[0]);
   Decision decision;
   decision.rule = rules_.find(texture.hash, mesh);
-  if (decision.rule.kind == Kind::unknown && blends_by_alpha(state) && state.lighting && state.depth_test && texture.hash == 0)
+  if (decision.rule.kind == Kind::unknown && texture.hash == 0 && looks_like_glass(state))
     decision.rule = {Kind::glass, usual_reflectance(Kind::glass), true};
   decision.taking = taking_of(state, decision.rule);
   if (decision.holds() && is_holding() && has_other_view(state)) flush();
