@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <numeric>
 
 #include "preload/capture/attributes.h"
 #include "preload/gl/functions.h"
@@ -101,14 +102,14 @@ Arrays::Array Arrays::find(GLenum array, GLenum size, GLenum type, GLenum stride
   return found;
 }
 
-void Arrays::fill(std::vector<Vertex>& vertices, size_t first) {
+void Arrays::fill(std::vector<Vertex>& vertices, const std::vector<uint32_t>& places) {
   const Functions& gl = real();
   const auto take = [&](const Array& array, bool is_normalized, auto&& target) {
     if (!array.data) return;
     const size_t component_size = size_of(array.type);
     const size_t element = component_size * static_cast<size_t>(array.size);
     for (size_t i = 0; i < vertices.size(); ++i) {
-      const char* at = array.data + (first + i) * array.stride;
+      const char* at = array.data + places[i] * array.stride;
       if (array.end && at + element > array.end) return;
       float* values = target(vertices[i]);
       for (int c = 0; c < array.size; ++c) values[c] = component(at + static_cast<size_t>(c) * component_size, array.type, is_normalized);
@@ -140,7 +141,9 @@ Geometry Arrays::read(GLenum mode, GLint first, GLsizei count) {
   Geometry geometry;
   geometry.mode = mode;
   geometry.vertices.assign(static_cast<size_t>(std::max(count, 0)), read_attributes());
-  fill(geometry.vertices, static_cast<size_t>(std::max(first, 0)));
+  std::vector<uint32_t> places(geometry.vertices.size());
+  std::iota(places.begin(), places.end(), static_cast<uint32_t>(std::max(first, 0)));
+  fill(geometry.vertices, places);
   return geometry;
 }
 
@@ -159,11 +162,14 @@ std::optional<Geometry> Arrays::read_indexed(GLenum mode, GLsizei count, GLenum 
   if (length == 0) return geometry;
   geometry.indices.resize(length);
   for (size_t i = 0; i < length; ++i) geometry.indices[i] = index_at(data, type, i);
-  const auto [least, most] = std::minmax_element(geometry.indices.begin(), geometry.indices.end());
-  const uint32_t first = *least;
-  geometry.vertices.assign(*most - first + 1, read_attributes());
-  for (uint32_t& index : geometry.indices) index -= first;
-  fill(geometry.vertices, first);
+  // The vertices that are named, and no others: many draws share one buffer.
+  std::vector<uint32_t> places = geometry.indices;
+  std::sort(places.begin(), places.end());
+  places.erase(std::unique(places.begin(), places.end()), places.end());
+  for (uint32_t& index : geometry.indices)
+    index = static_cast<uint32_t>(std::lower_bound(places.begin(), places.end(), index) - places.begin());
+  geometry.vertices.assign(places.size(), read_attributes());
+  fill(geometry.vertices, places);
   return geometry;
 }
 

@@ -29,7 +29,8 @@ class Arrays {
   };
   Array find(GLenum array, GLenum size, GLenum type, GLenum stride, GLenum pointer, GLenum buffer);
   const std::vector<char>& buffer(GLuint name);
-  void fill(std::vector<Vertex>& vertices, size_t first);
+  // Vertex i is the arrays' element places[i].
+  void fill(std::vector<Vertex>& vertices, const std::vector<uint32_t>& places);
 
   std::map<GLuint, std::vector<char>> buffers_;
 };

@@ -65,6 +65,9 @@ DrawState read_draw_state() {
   state.lighting = is_enabled(GL_LIGHTING);
   state.color_material = state.lighting && is_enabled(GL_COLOR_MATERIAL);
   if (state.lighting) read_material(state.material);
+  float color[4] = {1, 1, 1, 1};
+  gl.GetFloatv(GL_CURRENT_COLOR, color);
+  state.alpha = state.shows_colors() ? color[3] : state.material.diffuse[3];
   return state;
 }
 

@@ -33,6 +33,7 @@ struct DrawState {
   bool textured[2] = {}, generated_uv = false, writes_color = true;
   GLenum blend_source = GL_ONE, blend_target = GL_ZERO, depth_func = GL_LESS;
   GLuint texture[2] = {};  // 2D, of the first two units; 0 where it is not textured
+  float alpha = 1;  // of the colour that is current, or of the material that takes its place
   float alpha_reference = 0;
   GLint framebuffer = 0;
   DrawMaterial material;

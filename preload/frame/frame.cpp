@@ -20,6 +20,10 @@ bool blends_by_alpha(const DrawState& state) {
   return state.blend && state.blend_target == GL_ONE_MINUS_SRC_ALPHA && (state.blend_source == GL_SRC_ALPHA || state.blend_source == GL_ONE);
 }
 
+bool looks_like_glass(const DrawState& state) {
+  return blends_by_alpha(state) && state.alpha < 0.99f && state.lighting && state.depth_test;
+}
+
 bool multiplies(const DrawState& state) {
   return state.blend && ((state.blend_source == GL_DST_COLOR && state.blend_target == GL_ZERO) ||
                          (state.blend_source == GL_ZERO && state.blend_target == GL_SRC_COLOR));
@@ -37,15 +41,34 @@ std::vector<uint8_t> read_pixels(const std::array<GLint, 4>& viewport) {
   return pixels;
 }
 
-void draw_pixels(const std::array<GLint, 4>& viewport, const std::vector<uint8_t>& pixels) {
+std::vector<uint32_t> read_depth(const std::array<GLint, 4>& viewport) {
+  std::vector<uint32_t> depth(static_cast<size_t>(viewport[2]) * static_cast<size_t>(viewport[3]));
+  real().ReadPixels(viewport[0], viewport[1], viewport[2], viewport[3], GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, depth.data());
+  return depth;
+}
+
+// Puts colours and depth back.
+void draw_pixels(const std::array<GLint, 4>& viewport, const std::vector<uint8_t>& pixels, const std::vector<uint32_t>& depth) {
   const Functions& gl = real();
   gl.PushAttrib(GL_ALL_ATTRIB_BITS);
-  for (const GLenum off : {GL_LIGHTING, GL_FOG, GL_BLEND, GL_ALPHA_TEST, GL_STENCIL_TEST, GL_DEPTH_TEST, GL_SCISSOR_TEST, GL_TEXTURE_2D}) gl.Disable(off);
+  gl.UseProgram(0);
+  for (const GLenum off : {GL_LIGHTING, GL_FOG, GL_BLEND, GL_ALPHA_TEST, GL_STENCIL_TEST, GL_DEPTH_TEST, GL_SCISSOR_TEST}) gl.Disable(off);
+  for (GLenum unit = 0; unit < 4; ++unit) {
+    gl.ActiveTexture(GL_TEXTURE0 + unit);
+    gl.Disable(GL_TEXTURE_2D);
+    gl.Disable(GL_TEXTURE_CUBE_MAP);
+  }
   gl.ColorMask(1, 1, 1, 1);
   gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
   gl.PixelZoom(1, 1);
   gl.WindowPos2i(viewport[0], viewport[1]);
   gl.DrawPixels(viewport[2], viewport[3], GL_RGB, GL_UNSIGNED_BYTE, pixels.data());
+  gl.ColorMask(0, 0, 0, 0);
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthFunc(GL_ALWAYS);
+  gl.DepthMask(1);
+  gl.DepthRange(0, 1);
+  gl.DrawPixels(viewport[2], viewport[3], GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, depth.data());
   gl.PopAttrib();
 }
 
@@ -101,7 +124,7 @@ Decision Frame::decide(const DrawState& state, uint64_t mesh) {
   const Texture& texture = textures_.find(state.texture[0]);
   Decision decision;
   decision.rule = rules_.find(texture.hash, mesh);
-  if (decision.rule.kind == Kind::unknown && blends_by_alpha(state) && state.lighting && state.depth_test && texture.hash == 0)
+  if (decision.rule.kind == Kind::unknown && texture.hash == 0 && looks_like_glass(state))
     decision.rule = {Kind::glass, usual_reflectance(Kind::glass), true};
   decision.taking = taking_of(state, decision.rule);
   if (decision.holds() && is_holding() && has_other_view(state)) flush();
@@ -242,13 +265,11 @@ std::string Frame::picture_path(const char* which) const {
 
 // The held draws without rays and with them, each as a picture.
 void Frame::draw_both_ways() {
-  const Functions& gl = real();
   const std::vector<uint8_t> behind = read_pixels(viewport_);
-  const std::vector<Held> as_held = held_;
+  const std::vector<uint32_t> depth = read_depth(viewport_);
   draw_held(false);
   write_picture(picture_path("before"), viewport_, read_pixels(viewport_));
-  gl.BindTexture(GL_TEXTURE_2D, 0);
-  draw_pixels(viewport_, behind);
+  draw_pixels(viewport_, behind, depth);
   draw_held(true);
   write_picture(picture_path("after"), viewport_, read_pixels(viewport_));
 }

@@ -109,7 +109,8 @@ bool Session::take(Geometry geometry) {
     lists_.add(std::move(geometry), real().IsEnabled(GL_COLOR_ARRAY) == GL_TRUE);
     return false;
   }
-  const DrawState state = read_draw_state();
+  DrawState state = read_draw_state();
+  if (state.shows_colors()) state.alpha = geometry.vertices.front().color[3];
   const uint64_t hash = hash_of(geometry, state.shows_colors());
   const Decision decision = frame_.decide(state, hash);
   Piece piece{std::make_shared<const Geometry>(std::move(geometry)), hash, state, decision};
@@ -122,7 +123,8 @@ bool Session::take(Geometry geometry) {
 
 bool Session::call_list(GLuint list) {
   std::vector<Piece> pieces;
-  lists_.visit(list, read_draw_state(), [&](const ListPiece& piece, const DrawState& state) {
+  lists_.visit(list, read_draw_state(), [&](const ListPiece& piece, DrawState state) {
+    if (piece.colored && state.shows_colors()) state.alpha = piece.geometry->vertices.front().color[3];
     pieces.push_back({piece.geometry, piece.hash, state, frame_.decide(state, piece.hash)});
   });
   if (pieces.empty()) return false;

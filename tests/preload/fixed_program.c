@@ -7,6 +7,7 @@
  *   opened        OpenGL's functions come from dlopen, dlsym and glXGetProcAddress
  *   smoke         an unlit, blended quad hangs between the eye and the pane; it is drawn after the pane
  *   overlay       a quad without depth lies over the right half, drawn after the pane
+ *   solid         the pane's alpha is 1
  *   error         fails where glGetError has something */
 #define GL_GLEXT_PROTOTYPES
 #include <GL/gl.h>
@@ -121,7 +122,7 @@ static void quad(float x0, float x1, float y0, float y1, float z) {
 /* An upright pane between the eye and the middle of the floor; what it reflects stands behind the eye's side. */
 static void draw_pane(void) {
   glNormal3f(0, 0, 1);
-  glColor4f(0.2f, 0.4f, 0.3f, 0.3f);
+  glColor4f(0.2f, 0.4f, 0.3f, has("solid") ? 1 : 0.3f);
   quad(-1.5f, 1.5f, 0.1f, 2, 0);
 }
 

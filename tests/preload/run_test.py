@@ -105,6 +105,11 @@ class RunTest(unittest.TestCase):
                 expected = 0.96 * plain.at(*place)[channel] + 0.04 * mirrored[channel]
                 self.assertAlmostEqual(seen.at(*place)[channel], expected, delta=1)
 
+    def test_what_covers_is_no_glass(self):
+        plain = self.plain("solid")
+        seen, said, figures = self.run_fixed("solid")
+        self.assertEqual((seen.pixels, said, figures["draws_held"]), (plain.pixels, "", 0))
+
     def test_opened_functions_are_followed(self):
         seen, _, figures = self.run_fixed("opened")
         linked, _, _ = self.run_fixed()
