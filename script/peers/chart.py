@@ -4,7 +4,6 @@ import math
 
 WIDTH, HEIGHT, COLUMNS = 400, 300, 3
 LEFT, RIGHT, TOP, BOTTOM = 46, 12, 30, 40
-SLOWEST_MS, FASTEST_MS = 1e5, 2.0
 STYLES = {  # family: (colour, marker)
     "Sideray": ("#1456c8", "circle"), "three.js": ("#c2410c", "square"), "VTK": ("#0f766e", "square"), "F3D": ("#65a30d", "square"),
     "pyrender": ("#a16207", "square"), "MuJoCo": ("#be185d", "square"), "Filament": ("#7c3aed", "square"),
@@ -57,26 +56,26 @@ class Panel:
         self.points, self.x, self.y, self.width, self.height = points, x, y, width, height
         self.low = 10 ** math.floor(math.log10(min(p["ms"] for p in points) * 0.9))
         self.high = max(p["ms"] for p in points) * 1.6
-        self.most = max(p["flip"] for p in points) * 1.08
+        self.least, self.most = min(p["flip"] for p in points) * 0.85, max(p["flip"] for p in points) * 1.15
         self.taken = []
 
     def at(self, point):
         share = math.log(point["ms"] / self.low) / math.log(self.high / self.low)
-        return (self.x + LEFT + share * (self.width - LEFT - RIGHT),
-                self.y + TOP + (1 - point["flip"] / self.most) * (self.height - TOP - BOTTOM))
+        up = math.log(point["flip"] / self.least) / math.log(self.most / self.least)
+        return (self.x + LEFT + share * (self.width - LEFT - RIGHT), self.y + TOP + (1 - up) * (self.height - TOP - BOTTOM))
 
     def axes(self, title):
         x0, x1 = self.x + LEFT, self.x + self.width - RIGHT
         y0, y1 = self.y + self.height - BOTTOM, self.y + TOP
         parts = [text(x0, self.y + 18, title, 14, "#111111", weight="bold")]
-        step = next(s for s in (0.01, 0.02, 0.05, 0.1, 0.2) if self.most / s <= 6)
-        for i in range(int(self.most / step) + 1):
-            y = self.at({"ms": self.low, "flip": i * step})[1]
-            parts.append(f'<path d="M{x0} {y:.1f}H{x1}" stroke="#e4e4e4"/>')
-            parts.append(text(x0 - 5, y + 4, f"{i * step:.2f}", 10, "#555555", "end"))
+        for flip in (0.01, 0.02, 0.03, 0.05, 0.1, 0.2, 0.3, 0.5):
+            if self.least <= flip <= self.most:
+                y = self.at({"ms": self.low, "flip": flip})[1]
+                parts.append(f'<path d="M{x0} {y:.1f}H{x1}" stroke="#e4e4e4"/>')
+                parts.append(text(x0 - 5, y + 4, f"{flip:g}", 10, "#555555", "end"))
         power = self.low
         while power <= self.high:
-            x = self.at({"ms": power, "flip": 0})[0]
+            x = self.at({"ms": power, "flip": self.most})[0]
             parts.append(f'<path d="M{x:.1f} {y0}V{y1}" stroke="#e4e4e4"/>')
             parts.append(text(x, y0 + 14, f"{power:g} ms" if power < 1000 else f"{power / 1000:g} s", 10, "#555555", "middle"))
             power *= 10
@@ -94,6 +93,8 @@ class Panel:
 
     def name_of(self, p):
         """The label of a point, where there is room for it."""
+        if kind(p) == "none":  # beside those of OpenGL, whose names they have
+            return ""
         words, (x, y) = label(p), self.at(p)
         wide = 5.6 * len(words)
         for dx, dy in ((8, 4), (8, -6), (8, 13), (-8 - wide, 4), (-8 - wide, -6), (-8 - wide, 13), (-wide / 2, -9), (-wide / 2, 17)):

@@ -174,11 +174,15 @@ def flat_normals(points, corners):
     return normals
 
 
-def draw(scene, samples, seed, pixels):
-    """The picture of many samples in parts that fit into memory."""
-    most = max(1, MOST_SAMPLES_AT_ONCE // pixels)
-    parts = [min(most, samples - i) for i in range(0, samples, most)]
-    return sum(n * numpy.array(mi.render(scene, spp=n, seed=1000 * seed + i)) for i, n in enumerate(parts)) / samples
+def draw(scene, samples, seed, pixels, robust=False):
+    """The picture of many samples, in parts that fit into memory. Robust: what one part has beyond four times the median of all
+    parts is cut, since it is a path of little probability and much light."""
+    most = max(1, min(MOST_SAMPLES_AT_ONCE // pixels, samples // 16 if robust else samples))
+    counts = [min(most, samples - i) for i in range(0, samples, most)]
+    parts = numpy.stack([numpy.array(mi.render(scene, spp=n, seed=1000 * seed + i))[..., :3] for i, n in enumerate(counts)])
+    if robust:
+        parts = numpy.minimum(parts, 4 * numpy.median(parts, axis=0) + 1e-3)
+    return numpy.average(parts, axis=0, weights=counts)
 
 
 def main():
@@ -188,6 +192,7 @@ def main():
     parser.add_argument("--size", default="640x360")
     parser.add_argument("--samples", type=int, default=16)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--robust", action="store_true", help="without single bright samples")
     parser.add_argument("--sky", help="a lat-long .hdr")
     parser.add_argument("--frames", type=int, default=0, help="how many frames are timed after the first")
     options = parser.parse_args()
@@ -196,8 +201,8 @@ def main():
     mitsuba_glass.register()
     width, height = map(int, options.size.split("x"))
     scene = Builder(Glb(options.scene)).scene(width, height, options.sky)
-    picture = draw(scene, options.samples, options.seed, width * height)
-    numpy.save(options.o, picture[..., :3].astype("f4"))
+    picture = draw(scene, options.samples, options.seed, width * height, options.robust)
+    numpy.save(options.o, picture.astype("f4"))
     result = timed(lambda number: draw(scene, options.samples, options.seed + number, width * height), options.frames)
     print(json.dumps({"version": mi.__version__, **result}))
 

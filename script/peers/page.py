@@ -9,7 +9,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 BEGIN, END = "<!-- results: script/scoreboard --docs -->\n", "<!-- end of the results -->\n"
 SHOWN = ("balanced", "best, 4 samples --gl none", "three.js", "VTK", "F3D", "pyrender", "MuJoCo classic", "MuJoCo Filament",
-         "EEVEE, 8", "Cycles, 4, denoised", "Mitsuba, 16")
+         "EEVEE, 4", "Cycles, 4, denoised", "Mitsuba, 16")
 
 
 def collect(folder, settings, programs):
@@ -21,7 +21,7 @@ def collect(folder, settings, programs):
             continue
         records = [json.loads(file.read_text()) for p in programs if (file := folder / setting.name / f"{p.file}.json").is_file()]
         results[setting.name] = {**json.loads(path.read_text()), "programs": records}
-    panes = [json.loads(file.read_text()) for p in programs if (file := folder / "panes" / f"{p.file}.json").is_file()]
+    panes = [json.loads(file.read_text()) for file in sorted((folder / "panes").glob("*.json")) if file.stem != "stats"]
     return {"scenes": results, "panes": panes}
 
 
@@ -81,7 +81,7 @@ def scene_table(scene, cores):
 
 
 def panes_table(panes):
-    rows = [[bold(p, p["program"]), *(str(p[k]) for k in ("right", "order", "lost", "other"))] for p in panes if "right" in p]
+    rows = [[bold(p, p["program"]), *(str(p[k]) for k in ("right", "order", "lost", "other"))] for p in sorted(panes, key=lambda p: -p.get("right", 0)) if "right" in p]
     return table(["program", "right", "another order", "a layer lost", "other colours"], rows)
 
 
@@ -111,8 +111,8 @@ def markdown(data, programs, cores, machine):
     if data["panes"]:
         stacks = next(p["stacks"] for p in data["panes"] if "stacks" in p)
         parts += ["## Stacks of panes\n", f"{stacks} stacks of four unlit panes, half transparent; in half of them each pane is an object, in "
-                  "the others all four are one. Counted are stacks whose middle has the colour that the order of the panes gives, blended "
-                  "as light or as display values.\n", panes_table(data["panes"])]
+                  "the others all four are one primitive. Right are those whose middle has the colour that the order of the panes gives, blended "
+                  "as light or as display values; the others are told apart by the colours that fewer layers or other orders give.\n", panes_table(data["panes"])]
     parts += ["## Programs\n", table(["program", "version", "installed by", "cannot draw"], versions(data, programs))]
     return "\n".join(parts)
 
@@ -200,7 +200,7 @@ def write_pages(root, folder, settings, programs, machine, cores):
     docs = root / "docs"
     data = collect(folder, settings, programs)
     (docs / "images" / "scoreboard.json").write_text(json.dumps(data, indent=0) + "\n")
-    note = "Error: mean FLIP to the truth, upwards. Time: processor time of a frame over the cores, to the right. The blue line is Sideray's front."
+    note = "Up: error, mean FLIP to the truth. Right: processor time of a frame over the cores. Both logarithmic; nearer to the lower left is better. The blue line is Sideray's front; numbers are samples."
     svg = chart.draw(panels(data, cores), note)
     (docs / "images" / "scoreboard.svg").write_text(svg)
     for name, scene in data["scenes"].items():

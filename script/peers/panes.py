@@ -1,13 +1,15 @@
 """Stacks of four transparent panes, and which of a picture's stacks are right, lack a layer or have another order.
 
 The panes are unlit, each of another pure colour and half transparent, so that the colour of a stack says which panes were drawn and
-in which order. Half of the stacks are made of panes that are objects of their own; of the others each is one object, whose panes
-stand in the file in a random order. Colours blended as light and as display values are both taken as right.
+in which order. Half of the stacks are made of panes that are objects of their own, each with its place in its matrix; of the others each is
+one primitive, whose panes stand in the file in a random order and take their colours from a texture. Colours blended as light and as display values are both taken as right.
 """
+import io
 import itertools
 import random
 
 import numpy
+from PIL import Image
 from shared_scene import write_glb
 
 COLUMNS, ROWS, LAYERS, ALPHA = 8, 6, 4, 0.5
@@ -19,12 +21,20 @@ NEAR_ENOUGH = 0.035  # of each channel
 def write_panes(path, width, height):
     """Writes the scene; of each stack the order of its colours, farthest first."""
     rng, binary = random.Random(5), bytearray()
+    unlit = {"alphaMode": "BLEND", "doubleSided": True, "extensions": {"KHR_materials_unlit": {}}}
+    of = lambda color, **more: {"baseColorFactor": [*color, ALPHA], "metallicFactor": 0, "roughnessFactor": 1, **more}  # noqa: E731
     gltf = {"asset": {"version": "2.0"}, "scene": 0, "nodes": [], "meshes": [], "accessors": [], "bufferViews": [],
-            "materials": [{"name": f"pane{i}", "alphaMode": "BLEND", "doubleSided": True, "extensions": {"KHR_materials_unlit": {}},
-                           "pbrMetallicRoughness": {"baseColorFactor": [*color, ALPHA], "metallicFactor": 0, "roughnessFactor": 1}}
-                          for i, color in enumerate(COLORS)], "extensionsUsed": ["KHR_materials_unlit"]}
+            "materials": [{**unlit, "name": f"pane{i}", "pbrMetallicRoughness": of(color)} for i, color in enumerate(COLORS)],
+            "extensionsUsed": ["KHR_materials_unlit"], "textures": [{"source": 0, "sampler": 0}],
+            "images": [{"bufferView": 0, "mimeType": "image/png"}], "samplers": [{"magFilter": 9728, "minFilter": 9728}]}
+    gltf["materials"].append({**unlit, "name": "stack", "pbrMetallicRoughness": of((1, 1, 1), baseColorTexture={"index": 0})})
+    picture = io.BytesIO()
+    Image.fromarray((numpy.array([COLORS]).repeat(8, axis=0).repeat(8, axis=1) * 255).astype("u1")).save(picture, "PNG")
+    binary += picture.getvalue()
+    gltf["bufferViews"].append({"buffer": 0, "byteLength": len(binary)})
 
     def append(values, kind, type_):
+        binary.extend(b"\0" * (-len(binary) % 4))
         data = numpy.asarray(values, kind)
         gltf["bufferViews"].append({"buffer": 0, "byteOffset": len(binary), "byteLength": data.nbytes})
         binary.extend(data.tobytes())
@@ -35,10 +45,16 @@ def write_panes(path, width, height):
         gltf["accessors"].append(accessor)
         return len(gltf["accessors"]) - 1
 
-    def pane(x, y, z, half, color):
-        corners = [(x + sx * half, y + sy * half, z) for sx, sy in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
-        return {"attributes": {"POSITION": append(corners, "<f4", "VEC3"), "NORMAL": append([(0, 0, 1)] * 4, "<f4", "VEC3")},
-                "indices": append([0, 1, 2, 0, 2, 3], "<u4", "SCALAR"), "material": color}
+    def add(panes, material, at):
+        """One primitive of panes (middle, half of the side, colour), in a node that stands at a point."""
+        around = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+        corners = [[m + o * half for m, o in zip(middle, (sx, sy, 0))] for middle, half, _ in panes for sx, sy in around]
+        attributes = {"POSITION": append(numpy.subtract(corners, at), "<f4", "VEC3"),
+                      "NORMAL": append([(0, 0, 1)] * len(corners), "<f4", "VEC3"),
+                      "TEXCOORD_0": append([((color + 0.5) / LAYERS, 0.5) for _, _, color in panes for _ in around], "<f4", "VEC2")}
+        indices = append([4 * i + c for i in range(len(panes)) for c in (0, 1, 2, 0, 2, 3)], "<u4", "SCALAR")
+        gltf["meshes"].append({"primitives": [{"attributes": attributes, "indices": indices, "material": material}]})
+        gltf["nodes"].append({"mesh": len(gltf["meshes"]) - 1, "translation": list(at)})
 
     stacks = []
     for row, column in itertools.product(range(ROWS), range(COLUMNS)):
@@ -47,15 +63,15 @@ def write_panes(path, width, height):
         panes = []
         for depth, color in enumerate(order):
             z = -1.0 + 0.25 * depth
-            # Panes differ in size and stand aside by chance, so that the middles of objects say little of their order.
             scale = (10 - z) / 10
-            panes.append(pane((column - (COLUMNS - 1) / 2) * scale + rng.uniform(-0.05, 0.05), ((ROWS - 1) / 2 - row) * scale, z,
-                              rng.uniform(0.3, 0.36), color))
+            middle = ((column - (COLUMNS - 1) / 2) * scale + rng.uniform(-0.05, 0.05), ((ROWS - 1) / 2 - row) * scale, z)
+            panes.append((middle, rng.uniform(0.3, 0.36), color))
         rng.shuffle(panes)
-        together = [[p] for p in panes] if (row + column) % 2 else [panes]
-        for primitives in together:
-            gltf["meshes"].append({"primitives": primitives})
-            gltf["nodes"].append({"mesh": len(gltf["meshes"]) - 1})
+        if (row + column) % 2:
+            for pane in panes:
+                add([pane], pane[2], pane[0])
+        else:
+            add(panes, len(COLORS), panes[0][0])
     gltf["cameras"] = [{"type": "perspective", "perspective": {"yfov": 2 * numpy.arctan(ROWS / 20), "znear": 0.1, "zfar": 100.0,
                                                                "aspectRatio": width / height}}]
     gltf["nodes"].append({"camera": 0, "translation": [0, 0, 10]})

@@ -35,7 +35,7 @@ class Watch(threading.Thread):
         self.root, self.peak_kb, self.over = root, 0, threading.Event()
 
     def run(self):
-        while not self.over.wait(0.05):
+        while not self.over.wait(0.2):
             self.peak_kb = max(self.peak_kb, resident_kb(self.root))
 
 

@@ -90,7 +90,7 @@ class Sideray(Program):
         if not frames:
             tone = [] if self.reference else ["--tonemap", "none"]
             return Result(job.run([*self.command(job, "render"), *tone, "-o", picture]), version, "", [], [])
-        stats = job.folder / "stats.json"
+        stats = picture.with_suffix(".stats")
 
         def bench(count):
             """A process that draws so many frames after an untimed one, and the median of their times by the clock."""
@@ -220,11 +220,17 @@ def programs(sideray, folder):
                                                "--light-samples", "4"], reference=True) for n in (1, 4, 16)]
     found += [Three(folder), Vtk("VTK", pythons), F3d("F3D", pythons), Pyrender("pyrender", pythons),
               Mujoco("MuJoCo classic", pythons), Filament("MuJoCo Filament", pythons)]
-    found += [Eevee(f"EEVEE, {n}", pythons, ["--engine", "eevee", "--samples", str(n)]) for n in (1, 8)]
-    found += [Cycles(f"Cycles, {n}", pythons, ["--samples", str(n)]) for n in (1, 4, 16, 64)]
+    found += [Eevee(f"EEVEE, {n}", pythons, ["--engine", "eevee", "--samples", str(n)]) for n in (1, 4)]
+    found += [Cycles(f"Cycles, {n}", pythons, ["--samples", str(n)]) for n in (1, 4, 16)]
     found += [Cycles(f"Cycles, {n}, denoised", pythons, ["--samples", str(n), "--denoise"]) for n in (1, 4, 16)]
     found += [Mitsuba(f"Mitsuba, {n}", pythons, ["--samples", str(n)]) for n in (1, 4, 16, 64)]
     return found
+
+
+def panes_programs(sideray, there):
+    """Those that count on stacks of panes: one of each kind that draws unlit panes, and Sideray with another order of fragments."""
+    kinds = ("raster look", "balanced", "balanced --gl none", "three.js", "VTK", "F3D", "pyrender", "MuJoCo classic", "EEVEE, 1", "Cycles, 16")
+    return [Sideray(sideray, "balanced --oit abuffer", ["--oit", "abuffer"]), *(p for p in there if p.name in kinds)]
 
 
 def tracer_of(folder, sideray, tracer, samples):
@@ -233,7 +239,7 @@ def tracer_of(folder, sideray, tracer, samples):
         return Sideray(sideray, "paths", ["--reference", "--bounces", "unlimited", "--caustics", "on", "--samples", str(samples),
                                           "--light-samples", "8", "--seed", "7"], reference=True)
     pythons, words = [str(folder / "bin" / "python3"), sys.executable], ["--samples", str(samples), "--seed", "7"]
-    found = Mitsuba(tracer, pythons, words) if tracer == "Mitsuba" else Cycles(tracer, pythons, [*words, "--denoise"])
+    found = Mitsuba(tracer, pythons, [*words, "--robust"]) if tracer == "Mitsuba" else Cycles(tracer, pythons, [*words, "--denoise"])
     if not found.is_there():
         raise Failure(f"{tracer} is not there: {found.install}")
     return found
