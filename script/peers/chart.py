@@ -122,13 +122,17 @@ class Panel:
         return parts + [self.name_of(p) for p in ranked]
 
 
-def legend(x, y, width):
+def legend_entries():
     entries = [("Sideray, OpenGL", "Sideray", "circle", False), ("Sideray, --gl none", "Sideray", "circle", True),
                ("Sideray, paths", "Sideray", "triangle", False)]
     entries += [(name, name, shape, False) for name, (_, shape) in STYLES.items() if name != "Sideray"]
     entries.insert(-1, ("Cycles, denoised", "Cycles", "triangle", True))
+    return entries
+
+
+def legend(x, y, width):
     parts, at = [], x
-    for words, family, shape, hollow in entries:
+    for words, family, shape, hollow in legend_entries():
         wide = 24 + 6.4 * len(words)
         if at + wide > x + width:
             at, y = x, y + 20
@@ -155,3 +159,13 @@ def draw(panels, note):
     parts.append(text(LEFT, y + 4, note, 11.5, "#444444"))
     entries, y = legend(LEFT, y + 28, width - 2 * LEFT)
     return document(parts + entries, width, y + 14)
+
+
+def draw_each(panels, note):
+    """The same as pieces of HTML, which stand beside each other where there is room."""
+    for title, points in panels.items():
+        yield document(Panel(points, 0, 0).draw(title), WIDTH, HEIGHT)
+    entries = []
+    for words, family, shape, hollow in legend_entries():
+        entries.append(f'<svg width="14" height="14" style="width:14px">{marker(shape, 7, 7, STYLES[family][0], hollow)}</svg> {words}')
+    yield f'<p class="note">{html.escape(note)}<br>{" &nbsp; ".join(entries)}</p>'

@@ -65,14 +65,18 @@ def table(head, rows):
 
 
 def summary_table(data, cores):
-    rows = [[bold(r, r["program"]), time_text(r["ms"]), f"{r['flip']:.4f}" if r["flip"] is not None else "",
-             *("" if f is None else f"{f:.4f}" for f in r["flips"]), f"{r['start']:.1f}", f"{r['peak']:.0f}"]
+    rows = [[bold(r, r["program"]), time_text(r["ms"]), number(r["flip"]),
+             *map(number, r["flips"]), f"{r['start']:.1f}", f"{r['peak']:.0f}"]
             for r in sorted(summary_rows(data, cores), key=lambda r: r["ms"])]
     return table(["program", "frame", "FLIP, mean", *data["scenes"], "start to picture, s", "memory, MB"], rows)
 
 
+def number(value):
+    return "" if value is None else f"{value:.4f}"
+
+
 def scene_table(scene, cores):
-    rows = [[bold(r, r["program"]), f"{r['processor_ms'] / cores:.0f}", f"{r['wall_ms']:.0f}", f"{r['flip']:.4f}", f"{r['flip_own']:.4f}",
+    rows = [[bold(r, r["program"]), f"{r['processor_ms'] / cores:.0f}", f"{r['wall_ms']:.0f}", f"{r['flip']:.4f}", number(r["flip_own"]),
              f"{r['process_processor_s']:.1f}", f"{r['process_s']:.1f}", f"{r['peak_mb']:.0f}"]
             for r in sorted(measured(scene), key=lambda r: r["flip"])]
     rows += [[r["program"], "failed: " + r["error"].splitlines()[0], *[""] * 6] for r in scene["programs"] if "error" in r]
@@ -88,8 +92,9 @@ def panes_table(panes):
 def truth_lines(data):
     for name, scene in data["scenes"].items():
         apart = ", ".join(f"{pair} {value:.4f}" for pair, value in scene["apart"].items())
-        yield (f"- `{name}`: {scene['what']}. Truth: {scene['truth'].replace(':', ' with ').replace(',', ' and ')} samples; "
-               f"FLIP of {apart}; of Sideray's paths to the truth {scene['own_to_truth']:.4f}.")
+        own = f"; of Sideray's paths to the truth {scene['own_to_truth']:.4f}" if scene["own_to_truth"] is not None else ""
+        yield (f"- `{name}`: {scene['what']}. Truth: {scene['truth'].replace(':', ' with ').replace(',', ' and ')} samples"
+               + (f"; FLIP of {apart}{own}." if apart else "."))
 
 
 def versions(data, programs):
@@ -104,7 +109,6 @@ def versions(data, programs):
 
 def markdown(data, programs, cores, machine):
     parts = [f"{machine}; pictures of {next(iter(data['scenes'].values()))['size']}.\n",
-             "![Time against error in each scene](images/scoreboard.svg)\n",
              "## All scenes\n", summary_table(data, cores), "## Scenes and truths\n", "\n".join(truth_lines(data)) + "\n"]
     for name, scene in data["scenes"].items():
         parts += [f"## {name}\n", f"![{name} as each program draws it](images/scoreboard-{name}.jpg)\n", scene_table(scene, cores)]
@@ -147,9 +151,11 @@ def sheet(folder, scene, cores, path, columns=3):
 
 STYLE = """body { font: 16px/1.5 system-ui, sans-serif; margin: 0 auto; max-width: 1240px; padding: 0 16px 48px; color: #1a1a1a; }
 h1, h2 { line-height: 1.2; } h2 { margin-top: 2em; } img, svg { max-width: 100%; height: auto; }
+.charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(340px, 1fr)); } .charts .note { grid-column: 1 / -1; }
+.charts svg { width: 100%; }
 .wide { overflow-x: auto; } table { border-collapse: collapse; font-size: 14px; }
-td, th { padding: 3px 10px; border-bottom: 1px solid #e2e2e2; text-align: right; } td:first-child, th:first-child { text-align: left; }
-.words td { text-align: left; } strong { color: #1456c8; } code { background: #f3f3f3; padding: 0 3px; }"""
+td, th { padding: 3px 10px; border-bottom: 1px solid #e2e2e2; text-align: right; } td:first-child, th:first-child { text-align: left; white-space: nowrap; }
+.words td, .words th { text-align: left; vertical-align: top; min-width: 6em; } strong { color: #1456c8; } code { background: #f3f3f3; padding: 0 3px; }"""
 
 
 def inline(words):
@@ -169,7 +175,7 @@ def html_table(lines):
     return f'<div class="wide"><table{wordy}>{body}</table></div>'
 
 
-def html_page(text, svg):
+def html_page(text, charts):
     """The Markdown that this page uses, as HTML: headings, paragraphs, lists, tables, code blocks and pictures."""
     out = []
     for block in text.replace(BEGIN, "").replace(END, "").split("\n\n"):
@@ -188,7 +194,7 @@ def html_page(text, svg):
             items = "\n".join(lines)[2:].split("\n- ")
             out.append("<ul>" + "".join(f"<li>{inline(' '.join(i.split()))}</li>" for i in items) + "</ul>")
         elif "images/scoreboard.svg" in block:
-            out.append(f'<div class="wide">{svg}</div>')
+            out.append(f'<div class="charts">{charts}</div>')
         else:
             out.append(f"<p>{inline(' '.join(lines))}</p>")
     title = "Sideray: time against error"
@@ -209,4 +215,4 @@ def write_pages(root, folder, settings, programs, machine, cores):
     before, rest = page.read_text().split(BEGIN)
     text = before + BEGIN + "\n" + markdown(data, programs, cores, machine) + "\n" + END + rest.split(END)[1]
     page.write_text(text)
-    (docs / "scoreboard.html").write_text(html_page(text, svg))
+    (docs / "scoreboard.html").write_text(html_page(text, "\n".join(chart.draw_each(panels(data, cores), note))))
