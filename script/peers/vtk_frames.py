@@ -1,4 +1,4 @@
-"""Draws a .glb with VTK and prints what it took as JSON: run by script/peers.
+"""Draws a .glb with VTK and prints what it took as JSON: run by script/scoreboard.
 
 Depth peeling, physically based materials, the file's lights, the sky as image-based lighting; no shadows, since VTK's
 shadow maps know neither point lights nor peeling.
@@ -7,18 +7,15 @@ import argparse
 import json
 import pathlib
 import sys
-import time
 
 import vtk
 
-# What VTK has no word for: a transmissive surface is drawn as one that covers this share of what is behind it.
-TRANSMISSIVE_OPACITY = 0.25
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+sys.dont_write_bytecode = True
+from frames import timed  # noqa: E402
+from gltf import Glb, Material  # noqa: E402
+
 MOST_PEELS = 100
-
-
-def gltf(path):
-    data = pathlib.Path(path).read_bytes()
-    return json.loads(data[20:20 + int.from_bytes(data[12:16], "little")])
 
 
 def primitives(scene):
@@ -36,19 +33,6 @@ def triangles(scene, primitive):
     return scene["accessors"][corners]["count"] // 3
 
 
-def opacity(material):
-    factor = material.get("pbrMetallicRoughness", {}).get("baseColorFactor", [1, 1, 1, 1])[3]
-    transmission = material.get("extensions", {}).get("KHR_materials_transmission", {}).get("transmissionFactor", 0)
-    return (factor if material.get("alphaMode") == "BLEND" else 1) * (1 - transmission * (1 - TRANSMISSIVE_OPACITY))
-
-
-def tint(material):
-    """The share of light that a volume of the material's thickness lets through, for each colour."""
-    volume = material.get("extensions", {}).get("KHR_materials_volume", {})
-    exponent = volume.get("thicknessFactor", 0) / volume.get("attenuationDistance", float("inf"))
-    return [color**exponent for color in volume.get("attenuationColor", [1, 1, 1])]
-
-
 def restore_translucency(scene, actors):
     """VTK's importer drops the alpha of a base colour, and reads neither transmission nor volumes."""
     sources = list(primitives(scene))
@@ -56,12 +40,12 @@ def restore_translucency(scene, actors):
     if counts != [triangles(scene, source) for source in sources]:
         sys.exit("vtk_frames: the actors that VTK imported do not stand in the order of the file's primitives")
     for actor, source in zip(actors, sources):
-        material = scene["materials"][source["material"]] if "material" in source else {}
-        if opacity(material) == 1 and material.get("alphaMode") != "BLEND":
+        material = Material(scene["materials"][source["material"]] if "material" in source else {})
+        if material.opacity() == 1 and material.mode != "BLEND":
             continue
         look = actor.GetProperty()
-        look.SetOpacity(opacity(material))
-        look.SetColor([a * b for a, b in zip(look.GetColor(), tint(material))])
+        look.SetOpacity(material.opacity())
+        look.SetColor([a * b for a, b in zip(look.GetColor(), material.tint())])
         actor.ForceOpaqueOff()
         actor.ForceTranslucentOn()
 
@@ -113,7 +97,8 @@ def set_up(options, width, height):
     importer.Update()
     renderer = window.GetRenderers().GetFirstRenderer()
     found = renderer.GetActors()
-    restore_translucency(gltf(options.scene), [found.GetItemAsObject(i) for i in range(found.GetNumberOfItems())])
+    restore_translucency(Glb(options.scene).json, [found.GetItemAsObject(i) for i in range(found.GetNumberOfItems())])
+    renderer.AutomaticLightCreationOff()
     calibrate_lights(renderer)
     if options.sky:
         surround(renderer, options.sky)
@@ -125,13 +110,10 @@ def set_up(options, width, height):
 
 
 def frame(window, renderer, shift):
-    """Milliseconds of a frame with the camera moved sideways, so that nothing of the last frame can be shown again."""
-    camera = renderer.GetActiveCamera()
-    start = time.perf_counter()
-    camera.SetWindowCenter(shift, 0)
+    """A frame with the camera moved sideways, so that nothing of the last frame can be shown again."""
+    renderer.GetActiveCamera().SetWindowCenter(shift, 0)
     window.Render()
     window.WaitForCompletion()
-    return 1000 * (time.perf_counter() - start)
 
 
 def write_picture(window, path):
@@ -160,11 +142,10 @@ def main():
     parser.add_argument("--frames", type=int, default=0, help="how many frames are timed after the first")
     options = parser.parse_args()
     window, renderer = set_up(options, *(int(n) for n in options.size.split("x")))
-    first = frame(window, renderer, 0)
+    frame(window, renderer, 0)
     write_picture(window, options.o)
-    frames = [frame(window, renderer, 1e-4 * (i + 1)) for i in range(options.frames)]
-    print(json.dumps({"version": vtk.vtkVersion().GetVTKVersion(), "gl": gl_name(window), "first_ms": first,
-                      "frames_ms": frames}))
+    result = timed(lambda number: frame(window, renderer, 1e-4 * number), options.frames)
+    print(json.dumps({"version": vtk.vtkVersion().GetVTKVersion(), "gl": gl_name(window), **result}))
 
 
 main()

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Writes calibration-*.glb, spheres.glb and glass.glb for script/cycles/compare: materials where both renderers compute the
+"""Writes calibration-*.glb, spheres.glb and glass.glb for script/peers/against/cycles: materials where both renderers compute the
 same formula, and materials where they do not."""
 import array
 import json

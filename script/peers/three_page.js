@@ -1,9 +1,10 @@
-// Draws a .glb with three.js inside a page that script/peer_programs/three_frames.mjs opens.
+// Draws a .glb with three.js inside a page that script/peers/three_frames.mjs opens.
 import * as THREE from 'three';
 import {GLTFLoader} from 'three/addons/loaders/GLTFLoader.js';
 import {HDRLoader} from 'three/addons/loaders/HDRLoader.js';
 
 const lampSide = 1024, sunSide = 2048; // of shadow maps, as Sideray's are at most
+const skyTurn = Math.PI / 2; // the middle of a lat-long picture is -Z
 let renderer, scene, camera, bounds;
 
 // The box in which a sun casts shadows: all of the scene.
@@ -31,17 +32,18 @@ async function surround(url) {
   const sky = await new HDRLoader().loadAsync(url);
   sky.mapping = THREE.EquirectangularReflectionMapping;
   scene.environment = scene.background = sky;
+  scene.environmentRotation.y = scene.backgroundRotation.y = skyTurn;
 }
 
 // The canvas stays outside the document: the page is never composited while a frame is timed.
 window.setUp = async ({width, height, cameraIndex, sky}) => {
-  renderer = new THREE.WebGLRenderer({antialias: false});
+  renderer = new THREE.WebGLRenderer({antialias: true});
   renderer.debug.onShaderError = (gl, program, vertex, fragment) => {
     throw new Error(`a shader fails: ${gl.getProgramInfoLog(program)} ${gl.getShaderInfoLog(fragment)}`);
   };
   renderer.setPixelRatio(1);
   renderer.setSize(width, height, false);
-  renderer.toneMapping = THREE.NeutralToneMapping;
+  renderer.toneMapping = THREE.NoToneMapping;
   renderer.shadowMap.enabled = true;
   renderer.shadowMap.type = THREE.PCFShadowMap;
   const content = await new GLTFLoader().loadAsync('/scene.glb');
