@@ -1,12 +1,11 @@
 // How the program's surfaces look where rays hit them: the lighting of the fixed function, textures and colours.
 #pragma once
 
-#include <sideray/ready_shade.h>
-
 #include <deque>
 #include <vector>
 
 #include "preload/capture/draw_state.h"
+#include "preload/rays/fixed_lighting.h"
 
 namespace sideray::run {
 
@@ -24,22 +23,17 @@ class Looks {
 
  private:
   struct Look {
-    const sideray_fixed_function* lighting = nullptr;  // null = not lit
-    sideray_fixed_material material{};
+    const Lighting* lighting = nullptr;  // null = not lit
+    DrawMaterial material;
     float tint[3] = {1, 1, 1};
     bool second_texture = false, mirrors = false;
   };
-  struct Lit {
-    Lighting as_read;
-    std::vector<sideray_fixed_light> lights;
-    sideray_fixed_function function{};
-  };
   Look look_of(const DrawState& state, const float tint[4]);
-  const sideray_fixed_function* lighting_now();
+  const Lighting* lighting_now();
   static void shade(const Look& look, const sideray_shading_point& point, sideray_shading_result& result);
 
   std::vector<Look> looks_;
-  std::deque<Lit> lits_;  // their places stay
+  std::deque<Lighting> lightings_;  // their places stay
 };
 
 }  // namespace sideray::run
