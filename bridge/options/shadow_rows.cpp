@@ -201,7 +201,7 @@ OptionRow ambient_row() {
                                  {"off", SIDERAY_AMBIENT_OFF},
                                  {"ao", SIDERAY_AMBIENT_AO},
                                  {"bounce", SIDERAY_AMBIENT_BOUNCE}},
-                                "auto", "light of the sky: all, what is open to it, and what surfaces throw on each other");
+                                "auto", "the sky's light: all, its open share, or with light that bounces");
   row.option.cost = SIDERAY_COST_PICTURE;
   row.option.exact_value = "off";
   row.idle = [](const OptionValues& v) {

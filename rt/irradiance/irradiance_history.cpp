@@ -8,8 +8,7 @@
 namespace sideray::rt {
 namespace {
 
-// More samples say little more; and where something moves, what it threw light on has to follow.
-constexpr float most_samples_still = 64.0f, most_samples_moving = 8.0f;
+constexpr float most_samples_moving = 8.0f;  // what something that moves threw light on has to follow
 constexpr float same_facing = 0.9f;  // cosine
 
 }  // namespace
@@ -17,15 +16,24 @@ constexpr float same_facing = 0.9f;  // cosine
 void IrradianceHistory::begin(const IrradianceRequest& r, TracedScene& scene) {
   std::shared_ptr<const model::Snapshot> committed = scene.committed();
   again_ = r.sequence == SequenceStep::again && width_ == r.width && height_ == r.height && number_ > 0;
-  if (again_) return;
+  if (again_) {
+    settled_ = settled_ && FrameCamera(r.view, r.width, r.height).sees_as(trail_.camera());
+    return;
+  }
   follows_ = known_ && r.sequence != SequenceStep::first && r.width == width_ && r.height == height_ &&
              r.shadows == shadows_ && differ_in_places_only(*committed_, *committed);
-  most_samples_ = committed_ == committed ? most_samples_still : most_samples_moving;
+  counted_ = committed_ == committed ? static_cast<float>(most_samples) : most_samples_moving;
   known_ = false;
   std::swap(before_, after_);
   number_ = follows_ ? number_ + 1 : 1;
   if (!follows_) turns_.assign(size_t{tile_count(r.width)} * tile_count(r.height), 0);
   trail_.begin(r.view, r.depth, {r.width, r.height}, scene.shading().snapshot->origin, follows_, scene.executor());
+  const bool stands_still = follows_ && trail_.same_view() && posed_ == scene.shading().snapshot;
+  const bool was_whole = std::ranges::all_of(turns_, [&](uint32_t turn) { return turn + 1 == number_; });
+  if (!stands_still) stood_still_ = 0;
+  else if (was_whole && stood_still_ < most_samples) ++stood_still_;
+  settled_ = stood_still_ == most_samples && r.position_frames == 0;
+  posed_ = scene.shading().snapshot;
   width_ = r.width, height_ = r.height, shadows_ = r.shadows;
   committed_ = std::move(committed);
 }
@@ -45,8 +53,15 @@ void IrradianceHistory::look_back(size_t tile, const std::vector<glm::u16vec2>& 
       const size_t then = size_t{from[0] / width_ / cell_side} * cells.columns + from[0] % width_ / cell_side;
       if (glm::dot(before_.places[then].normal, cells.places[cell].normal) < same_facing) continue;
       cells.lights[cell] = before_.lights[then];
-      cells.lights[cell].samples = std::min(cells.lights[cell].samples, most_samples_);
+      cells.lights[cell].samples = std::min(cells.lights[cell].samples, counted_);
     }
+}
+
+void IrradianceHistory::keep() {
+  std::ranges::fill(turns_, number_);
+  if (again_) return;
+  std::swap(before_, after_);
+  known_ = true;
 }
 
 void IrradianceHistory::end(const IrradianceCells& cells) {

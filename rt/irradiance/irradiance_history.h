@@ -22,6 +22,9 @@ class IrradianceHistory {
   // Nothing is known any longer.
   void forget() { known_ = false; }
 
+  // Returns whether the frame adds nothing: the view has stood still, with nothing that moves, until each cell had all samples
+  // that are counted. What was shown is what is to be shown.
+  bool is_settled() const { return settled_; }
   // Returns how many frames the sequence has, this one included, since something was known last.
   uint32_t frame() const { return number_; }
   // In which frame each tile was traced last, 0 = never.
@@ -29,12 +32,18 @@ class IrradianceHistory {
   void traced(size_t tile) { turns_[tile] = number_; }
   // Writes what is known of the cells of a tile whose places are known: no samples where nothing is.
   void look_back(size_t tile, const std::vector<glm::u16vec2>& pixels, IrradianceCells& cells) const;
+  // The frame is settled: what was known before is known after it.
+  void keep();
   // Learns what is known after the frame.
   void end(const IrradianceCells& cells);
 
  private:
-  bool known_ = false, follows_ = false;
-  float most_samples_ = 0.0f;
+  static constexpr uint32_t most_samples = 32;  // more say little more
+
+  bool settled_ = false, known_ = false, follows_ = false;
+  float counted_ = 0.0f;      // samples that are counted at most
+  uint32_t stood_still_ = 0;  // frames in a row that were traced as a whole and in which nothing moved
+  std::shared_ptr<const model::Snapshot> posed_;
   uint32_t width_ = 0, height_ = 0, number_ = 0;
   bool shadows_ = false;
   std::shared_ptr<const model::Snapshot> committed_;

@@ -197,6 +197,15 @@ void IrradianceTracing::count_left(const Frame& f, Worker& w, uint32_t tile) con
     }
 }
 
+// Goes on with what is known, without a ray.
+Counters IrradianceTracing::keep(IrradianceHistory& history, const IrradianceRequest& r) {
+  history.keep();
+  Counters counters;
+  counters.pixels_total = uint64_t{r.width} * r.height;
+  if (r.still) r.still->end(counters, true);
+  return counters;
+}
+
 Counters IrradianceTracing::trace(const IrradianceRequest& r, TracedScene& scene, IrradianceImage& image) {
   check(r);
   const auto hash = [&] { return StillFrames::Hashes{hash_depth(scene.executor(), r.depth, r.width, r.height, 0), {}}; };
@@ -207,6 +216,8 @@ Counters IrradianceTracing::trace(const IrradianceRequest& r, TracedScene& scene
   if (r.history && !traced.empty()) r.history->forget();
   IrradianceHistory* history = traced.empty() ? r.history : nullptr;
   if (history) history->begin(r, scene);
+  image.changed = !(history && history->is_settled() && image.width == r.width && image.height == r.height);
+  if (!image.changed) return keep(*history, r);
   image.width = r.width;
   image.height = r.height;
   cells_.fit(r.width, r.height);
@@ -246,7 +257,7 @@ Counters IrradianceTracing::trace(const IrradianceRequest& r, TracedScene& scene
   sum.pixels_total = uint64_t{r.width} * r.height;
   const Stopwatch watch;
   filter_.apply(r, cells_, scene.executor(), image);
-  sum.denoise_ms = watch.ms();
+  if (r.denoise) sum.denoise_ms = watch.ms();
   if (r.still) r.still->end(sum, !is_bounded(r.work) && traced.empty());
   return sum;
 }

@@ -41,7 +41,8 @@ class Plan : public Program {
     for (const json& texture : plan["textures"]) {
       const std::string name = texture["name"];
       if (name.starts_with("layers.") || name.starts_with("composite.") || name == "shadow_masks" ||
-          name == "shadow_tints" || name == "ambient_mask" || name == "reflections")
+          name == "shadow_tints" || name == "ambient_mask" || name == "reflections" ||
+          name == "irradiance")
         bytes += texture["bytes"].get<uint64_t>();
     }
     return bytes;
@@ -292,7 +293,7 @@ TEST_F(Plan, NothingMoreThanTheSceneNeeds) {
   EXPECT_EQ(service_bytes(bounded("panes?count=6 --size 64x36 --shadows map --ambient off --diagnose whole-pixels=off")), 64u * 36 * 16 * 4);
   EXPECT_EQ(service_bytes(bounded("panes?count=6 --size 64x36 --shadows map --ambient off")), 64u * 36 * (16 * 4 + 16));
   // What auto leaves out costs nothing.
-  const json bare = bounded("panes --size 64x36 --translucency off --shadows map --env none");
+  const json bare = bounded("panes --size 64x36 --translucency off --shadows map --env none --ambient off");
   for (const char* stage : {"build", "readback", "trace", "trace_ao", "denoise", "upload"})
     EXPECT_FALSE(runs(bare, stage)) << stage;
   EXPECT_EQ(service_bytes(bare), 0u);

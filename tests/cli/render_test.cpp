@@ -269,12 +269,12 @@ TEST_F(Render, ConfigHasWhatAutoComesTo) {
     const json config = stats("s.json")["config"];
     return config["ambient"].get<std::string>() + " " + config["reflections"].get<std::string>();
   };
-  EXPECT_EQ(used("empty"), "on on");
-  EXPECT_EQ(used("empty --env none"), "off on");
-  EXPECT_EQ(used("empty --env-scale 0.01"), "off on");
-  EXPECT_EQ(used("panes"), "on off") << "nothing opaque is smooth";
+  EXPECT_EQ(used("empty"), "bounce on");
+  EXPECT_EQ(used("empty --env none"), "bounce on");
+  EXPECT_EQ(used("empty --env-scale 0.01"), "bounce on");
+  EXPECT_EQ(used("panes"), "bounce off") << "nothing opaque is smooth";
   EXPECT_EQ(used("empty --ambient off --reflections off"), "off off");
-  EXPECT_EQ(used("panes --env none --ambient ao --reflections on"), "on on");
+  EXPECT_EQ(used("panes --env none --ambient ao --reflections on"), "ao on");
   EXPECT_EQ(used("empty --reference --light-samples 1"), "off off");
   EXPECT_EQ(used("empty --max-error 1"), "off off") << "errors are those to the light of one bounce";
 }

@@ -194,6 +194,8 @@ def main():
     known = {option["name"] for options in commands.values() for option in options}
     # Of every command, or of one without a table.
     known |= {"help", "help-all", "version", "json", "list", "set", "diagnose", "jobs", "quick"}
+    run = subprocess.run([program, "run", "--help"], check=True, stdout=subprocess.PIPE, text=True).stdout
+    known |= set(re.findall(r"--([a-z-]+)", run))
     elsewhere = text_below(root, "script", "examples", "tests/viewer", "tests/cluster", "viewer") + FOREIGN
     removed = (root / "bridge/options/removed_options.cpp").read_text() + text_below(root, "cli")
     tests, sources = text_below(root, "tests"), text_below(root, *FOLDERS.split("|"))

@@ -144,7 +144,7 @@ TEST(Economy, OpaqueRaysThatAreLeftOutCostNothing) {
   const scenes::Content content = scenes::generate("panes", {});
   Stage automatic(content, "none", false), off(content, "none", false);
   RenderOptions left = options_of(SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_SHADOWS_MAP);
-  left.picture.ambient = SIDERAY_AMBIENT_AUTO, left.picture.reflections = SIDERAY_REFLECTIONS_AUTO;
+  left.picture.reflections = SIDERAY_REFLECTIONS_AUTO;
   expect_no_more(automatic, left, off, options_of(SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_SHADOWS_MAP), "panes, auto");
 }
 

@@ -82,6 +82,7 @@ class LongRun : public testing::Test {
     FrameInputs in = host_.inputs();
     in.frame.source.framebuffer = framebuffer_.id();
     c.ask(host_, in);
+    if (in.layers) in.layers->float_ids = 0;  // the program reads integers
     SmallHost::set_view(in, SmallHost::clip_from_world(0.2 * std::sin(0.1 * number)));
     if (number % 3 == 0) {
       in.frame.source.width -= number % 11;
