@@ -62,8 +62,8 @@ TEST(Prediction, ReducedFramesHaveEnoughPixels) {
 Probe some_probe() {
   Probe probe;
   probe.small.pixels = 57600, probe.large.pixels = 230400;
-  probe.small.work = {100, 200, 300, 400, 500, 600, 700, 0};
-  probe.large.work = {400, 800, 1200, 1600, 2000, 2400, 2800, 0};
+  probe.small.work = {100, 200, 300, 400, 500, 600, 700, 0, 0};
+  probe.large.work = {400, 800, 1200, 1600, 2000, 2400, 2800, 0, 0};
   probe.small.stage_ms[SIDERAY_STAGE_TOTAL_FRAME] = 2, probe.large.stage_ms[SIDERAY_STAGE_TOTAL_FRAME] = 5;
   return probe;
 }
