@@ -1,0 +1,143 @@
+// Light that surfaces throw on each other, against closed forms: a furnace, an open field, and views that stand still.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "rt/base/view_rays.h"
+#include "rt/irradiance/irradiance_history.h"
+#include "rt/tracer_scene.h"
+
+namespace sideray::rt::irradiance_test {
+namespace {
+
+using namespace test;
+
+constexpr uint32_t width = 64, height = 48;
+
+sideray_material_desc matt(float albedo, glm::vec3 emission) {
+  sideray_material_desc m = glowing(emission);
+  for (int c = 0; c < 3; ++c) m.base_color[c] = albedo;
+  m.unlit = 0;
+  m.specular = 0.0f;
+  m.roughness = 1.0f;
+  m.double_sided = 1;
+  return m;
+}
+
+// A closed room of 16 x 4 x 16 about the origin, whose insides shine.
+std::shared_ptr<const model::Snapshot> furnace(float albedo, glm::vec3 emission) {
+  TestScene scene;
+  const sideray_material_desc m = matt(albedo, emission);
+  for (const double side : {-1.0, 1.0}) {
+    scene.quad({8 * side, 0, 0}, {0, 2, 0}, {0, 0, 8}, m);
+    scene.quad({0, 2 * side, 0}, {8, 0, 0}, {0, 0, 8}, m);
+    scene.quad({0, 0, 8 * side}, {8, 0, 0}, {0, 2, 0}, m);
+  }
+  scene.environment(glm::vec3(0.0f));
+  return scene.commit();
+}
+
+// The depth of the plane y = -2, as a rasterizer stores it; upper pixels show nothing.
+struct FloorFrame {
+  TraceView view = perspective({0, 0, 0}, {0, -1.2, -1.0}, 0.6, double{width} / height);
+  DepthBuffer depth{width, height, 0.0f, 0};
+  FloorFrame() {
+    const ViewRays rays(view, width, height);
+    for (uint32_t y = 0; y < height; ++y)
+      for (uint32_t x = 0; x < width; ++x) {
+        const Ray ray = rays.ray(x, y);
+        const glm::dvec3 p = glm::dvec3(ray.origin) + glm::dvec3(ray.direction) * (-2.0 / static_cast<double>(ray.direction.y));
+        const glm::dvec4 clip = view.clip_from_local * glm::dvec4(p, 1.0);
+        depth.set(x, y, static_cast<float>(clip.z / clip.w), 0);
+      }
+  }
+  IrradianceRequest request(bool denoise = true) const {
+    IrradianceRequest r;
+    r.view = view;
+    r.width = width, r.height = height;
+    r.depth = depth.image();
+    r.denoise = denoise;
+    return r;
+  }
+};
+
+glm::vec3 mean(const IrradianceImage& image) {
+  glm::vec3 sum(0.0f);
+  for (size_t t = 0; t < size_t{width} * height; ++t) sum += rgb(image.light, t);
+  return sum / static_cast<float>(width * height);
+}
+
+// Everywhere inside the light is e + a e + a^2 e + ... = e / (1 - a), of all bounces.
+TEST(Irradiance, OfAFurnaceHasAllBounces) {
+  const FloorFrame frame;
+  for (const float albedo : {0.0f, 0.5f, 0.8f}) {
+    const glm::vec3 emission(0.5f, 0.25f, 0.125f);
+    Tracer tracer({2, ""});
+    tracer.set_scene(furnace(albedo, emission));
+    IrradianceImage image;
+    const Counters counters = tracer.trace_irradiance(frame.request(), image);
+    EXPECT_GT(counters.rays_bounce, 0u);
+    const glm::vec3 found = mean(image), expected = emission / (1.0f - albedo);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], 0.04f * expected[c]) << albedo;
+  }
+}
+
+// Nothing is hidden and nothing is hit: there is nothing to add, and no noise.
+TEST(Irradiance, OfAnOpenFieldIsNone) {
+  TestScene scene;
+  scene.quad({0, -2, 0}, {50, 0, 0}, {0, 0, 50}, matt(0.8f, glm::vec3(0.0f)));
+  scene.environment(glm::vec3(1.0f, 0.5f, 0.25f));
+  Tracer tracer({2, ""});
+  tracer.set_scene(scene.commit());
+  IrradianceImage image;
+  tracer.trace_irradiance(FloorFrame().request(), image);
+  for (size_t t = 0; t < size_t{width} * height; ++t)
+    for (int c = 0; c < 3; ++c) ASSERT_NEAR(rgb(image.light, t)[c], 0.0f, 1e-3f) << t;
+}
+
+TEST(Irradiance, IsTheSameForAnyNumberOfThreads) {
+  const FloorFrame frame;
+  std::vector<uint16_t> first;
+  for (const uint32_t threads : {1u, 3u}) {
+    Tracer tracer({threads, ""});
+    tracer.set_scene(furnace(0.5f, glm::vec3(1.0f)));
+    IrradianceImage image;
+    tracer.trace_irradiance(frame.request(), image);
+    if (first.empty()) first = image.light;
+    EXPECT_EQ(image.light, first);
+  }
+}
+
+// Samples of frames add up; once all are there, no ray is traced, until something changes.
+TEST(Irradiance, OfAViewThatStandsStillSettles) {
+  const FloorFrame frame;
+  Tracer tracer({2, ""});
+  tracer.set_scene(furnace(0.8f, glm::vec3(0.5f)));
+  IrradianceHistory history;
+  IrradianceImage image;
+  IrradianceRequest request = frame.request(false);
+  request.history = &history;
+  const auto spread = [&] {
+    double sum = 0.0;
+    for (size_t t = 0; t < size_t{width} * height; ++t) sum += std::pow(double{rgb(image.light, t).x} - 2.5, 2.0);
+    return std::sqrt(sum / (width * height));
+  };
+  tracer.trace_irradiance(request, image);
+  const double noise = spread();
+  request.sequence = SequenceStep::next;
+  uint32_t frames = 1;
+  for (; frames < 100 && image.changed; ++frames) tracer.trace_irradiance(request, image);
+  EXPECT_LT(frames, 40u);
+  EXPECT_LT(spread(), 0.4 * noise);
+  const std::vector<uint16_t> kept = image.light;
+  EXPECT_EQ(tracer.trace_irradiance(request, image).rays_bounce, 0u);
+  EXPECT_EQ(image.light, kept);
+  tracer.set_scene(furnace(0.8f, glm::vec3(0.25f)));
+  EXPECT_GT(tracer.trace_irradiance(request, image).rays_bounce, 0u);
+  EXPECT_TRUE(image.changed);
+  EXPECT_NEAR(mean(image).x, 1.25f, 0.1f) << "nothing of the other light is left";
+}
+
+}  // namespace
+}  // namespace sideray::rt::irradiance_test
