@@ -372,7 +372,11 @@ vec3 environment_light(SrSurface s, vec3 geometric_normal, vec3 to_eye) {
   vec3 mirror = sr_lifted(reflect(-to_eye, bent), geometric_normal);
   vec3 prefiltered = environment_radiance(bent, mirror, sr_look_up_roughness(s));
   // Rays toward the G-buffer's mirror directions know round lobes only.
-  around.specular = s.anisotropy > 0.0 ? prefiltered : over_environment(prefiltered);
+#ifdef SR_MASKS
+  around.specular = s.anisotropy > 0.0 ? under_cover(prefiltered) : over_environment(prefiltered);
+#else
+  around.specular = prefiltered;
+#endif
 #else
   vec3 mirror = sr_lifted(reflect(-to_eye, s.normal), geometric_normal);
   around.specular = over_environment(environment_radiance(s.normal, mirror, s.roughness));
