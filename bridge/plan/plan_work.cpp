@@ -186,7 +186,7 @@ void add_masks(const model::Snapshot& snapshot, const RenderOptions& o, const Fr
   work.rays_ao = plan.masks.ao_rays * (pixels + (plan.masks.denoise ? measured : 0));
 }
 
-// Of one pixel of four: along a path and on from each of its surfaces, of each one ray to a light, and one to the sky.
+// One pixel of four traces a path, which goes on from each of its surfaces and sends a ray to a light there; and a ray to the sky.
 void add_bounces(const FramePlan& plan, sideray_plan_work& work) {
   const uint64_t paths = uint64_t{(plan.width + 1) / 2} * ((plan.height + 1) / 2);
   work.rays_bounce = paths * (rt::most_path_surfaces + 2);

@@ -88,7 +88,6 @@ struct IrradianceTracing::Frame {
   const ShadingScene& scene;
   const Intersector& intersector;
   const IrradianceHistory* history;
-  const std::vector<uint8_t>& traced;
   uint32_t seed;  // of this frame of the sequence
   uint32_t columns;
   const SkyDirections* sky;  // null: black
@@ -193,7 +192,9 @@ void IrradianceTracing::count_left(const Frame& f, Worker& w, uint32_t tile) con
       if (!(cells_.places[cell].width > 0.0f)) continue;
       constexpr uint64_t pixels = cell_side * cell_side;
       (cells_.lights[cell].samples > 0.0f ? w.counters.irradiance_pixels_older : w.counters.irradiance_pixels_late) += pixels;
-      if (f.history) w.counters.frames_waiting = std::max<uint64_t>(w.counters.frames_waiting, f.history->frame() - f.history->turns()[tile]);
+      if (!f.history) continue;
+      const uint64_t waits = f.history->frame() - f.history->turns()[tile];
+      w.counters.frames_waiting = std::max(w.counters.frames_waiting, waits);
     }
 }
 
@@ -226,7 +227,8 @@ Counters IrradianceTracing::trace(const IrradianceRequest& r, TracedScene& scene
   const ViewRays view(r.view, r.width, r.height);
   const bool is_later = history && history->frame() > 1 && r.position_frames == 0;
   const uint32_t seed = is_later ? random_key({r.seed, history->frame()}) : r.seed;
-  const Frame frame{r, view, scene.shading(), scene.intersector(), history, traced, seed, tile_count(r.width), scene.sky().black() ? nullptr : &scene.sky()};
+  const SkyDirections* sky = scene.sky().black() ? nullptr : &scene.sky();
+  const Frame frame{r, view, scene.shading(), scene.intersector(), history, seed, tile_count(r.width), sky};
   const size_t tiles = size_t{frame.columns} * tile_count(r.height);
   std::vector<uint32_t> order;
   if (is_bounded(r.work)) order = order_of_importance(frame.columns, tile_count(r.height));

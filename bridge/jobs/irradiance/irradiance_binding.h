@@ -8,7 +8,7 @@
 
 namespace sideray::bridge {
 
-// Of those that sideray_service_bind() sets, from its first_unit on.
+// The unit is one of those that sideray_service_bind() sets, counted from its first_unit.
 inline constexpr uint32_t irradiance_unit = 10;
 bool reads_irradiance(const gl::Functions& gl, uint32_t program);
 

@@ -13,7 +13,7 @@ class IrradianceJob final : public Job {
   uint32_t bit() const override { return SIDERAY_JOB_IRRADIANCE; }
   void check(const gl::Functions&, const FrameInputs&, const model::Snapshot&) const override {}
   bool reads_stencil(const FrameInputs&) const override { return false; }
-  // Of what is left: a half for each job behind it.
+  // It takes an equal share of the time that is left with each job behind it.
   double share_of_time(const FrameInputs& inputs) const override {
     return 1.0 / (1.0 + (inputs.reflections ? 1.0 : 0.0) + (inputs.layers ? 1.0 : 0.0));
   }
