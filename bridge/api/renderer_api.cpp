@@ -204,6 +204,10 @@ sideray_status sideray_renderer_render_many(sideray_renderer* renderer, sideray_
   });
 }
 
+void sideray_renderer_cancel(sideray_renderer* renderer) {
+  if (renderer) renderer->renderer.cancel();
+}
+
 void sideray_picture_release(sideray_picture* picture) {
   delete picture;
 }

@@ -4,6 +4,7 @@
 
 #include <sideray/renderer.h>
 
+#include <atomic>
 #include <memory>
 
 #include "bridge/base/handles.h"
@@ -12,6 +13,7 @@
 #include "bridge/drawing/sequence.h"
 #include "bridge/picture/picture.h"
 #include "bridge/plan/frame_plan.h"
+#include "model/failure.h"
 #include "model/snapshot.h"
 
 namespace sideray::bridge {
@@ -24,11 +26,16 @@ struct PictureJob {
   const FramePlan plan;
   const sideray_camera camera;
   const RenderOptions options;
+  const std::atomic<bool>& cancelled;  // by another thread
   bool has_frame = false;  // one was drawn: the next redraws it
   bool keeps_masks = false;  // and its masks stay
 
   gl::RasterView view_of(uint32_t sample) const {
     return backend.make_view(camera, sequence.jitter(plan, sample));
+  }
+  // Throws Failure (CANCELLED). What was drawn since it was cancelled may be unfinished.
+  void require_wanted() const {
+    if (cancelled) fail(SIDERAY_CANCELLED, "picture: cancelled");
   }
 };
 

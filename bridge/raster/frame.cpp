@@ -132,7 +132,7 @@ void Frame::wait_for_light() {
   const uint32_t jobs = timer_.staged()           ? uint32_t{SIDERAY_JOB_ALL}
                         : plan_.lights_by_rays() ? SIDERAY_JOB_MASKS | SIDERAY_JOB_IRRADIANCE | SIDERAY_JOB_REFLECTIONS
                                                  : 0u;
-  if (jobs != 0) service_->wait(ticket_, jobs, -1);
+  if (jobs != 0) wait_for(*service_, job_, ticket_, jobs);
 }
 
 void Frame::light() {
@@ -163,7 +163,7 @@ gl::OcclusionTextures Frame::occlusion() const {
 
 void Frame::finish_trace() {
   if (!plan_.uses_rays()) return;
-  service_->wait(ticket_, SIDERAY_JOB_ALL, -1);
+  wait_for(*service_, job_, ticket_, SIDERAY_JOB_ALL);
   counters_.trace = service_->stats(ticket_);
   timer_.add(counters_.trace);
   if (plan_.second_wave)

@@ -16,7 +16,7 @@ rt::Counters trace_second_wave(const RasterParts& parts, const PictureJob& job, 
   inputs.inspection.redraws = true;
   inputs.inspection.timed = timer.staged();
   const sideray_ticket ticket = service.submit(inputs);
-  service.wait(ticket, SIDERAY_JOB_ALL, -1);
+  wait_for(service, job, ticket, SIDERAY_JOB_ALL);
   rt::Counters wave = service.stats(ticket);
   timer.add(wave);
   // Its frame has counted the wave's pixels and layers already.

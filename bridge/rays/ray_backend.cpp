@@ -102,7 +102,7 @@ class RayBackend::Frame {
                                        .mask_bytes = places_,
                                        .textures = textures,
                                        .subpixel = 0.0f,
-                                       .cancelled = cancelled_,
+                                       .cancelled = job_.cancelled,
                                        .work = work,
                                        .shading_queue = nullptr});
     if (inputs_.budget_ms > 0.0f && is_bounded) {
@@ -182,7 +182,6 @@ class RayBackend::Frame {
   const Stopwatch watch_;
   std::vector<uint8_t> places_;  // where rays look for translucent surfaces; empty: everywhere
   FrameBudget::Time end_{};      // when a frame with a budget is to be finished
-  const std::atomic<bool> cancelled_{false};
   FrameCounters counters_;
 };
 
@@ -237,14 +236,13 @@ const rt::LayerCache& RayBackend::read_layers(const PictureJob& job) {
   inputs.layers = job.plan.shown_layers;
   const std::vector<uint8_t> places = tracer_->tracer.translucent_places(request_);
   if (!places.empty()) inputs.source.mask = SIDERAY_MASK_MEMORY;
-  const std::atomic<bool> cancelled{false};
   jobs_->shown_layers.trace({inputs, 0, *job.snapshot, rt::SequenceStep::first, false},
                       {.tracer = tracer_->tracer,
                        .depth = pixels_.depth(),
                        .mask_bytes = places,
                        .textures = {},
                        .subpixel = 0.0f,
-                       .cancelled = cancelled,
+                       .cancelled = job.cancelled,
                        .work = {},
                        .shading_queue = nullptr});
   return jobs_->shown_layers.cache();

@@ -50,6 +50,7 @@ FrameCounters draw_all(PictureJob& job, const std::vector<FramePosition>& positi
   for (const FramePosition& position : positions) {
     if (still == Still::made) job.backend.forget_shadow_maps();
     counters += job.backend.draw(job, position, timer, fragments);
+    job.require_wanted();
   }
   return counters;
 }

@@ -60,6 +60,7 @@ void draw_positions(PictureJob& job, FrameTimer& timer, Picture& picture) {
     const FramePosition position = position_of(job, sample);
     const Stopwatch watch;
     counters += job.backend.draw(job, position, timer, counts ? Fragments::counted : Fragments::drawn);
+    job.require_wanted();
     job.backend.finish();  // reading the colour would wait too
     total_ms += watch.ms();
     if (!job.plan.without_color) color = job.backend.read_color();

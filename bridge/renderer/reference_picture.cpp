@@ -26,6 +26,7 @@ rt::ReferenceRequest request_of(const PictureJob& job, const std::vector<gl::Ras
   request.reflections = job.plan.reflects;
   request.surfaces = o.picture.aovs != 0;
   request.seed = job.plan.seed;
+  request.cancelled = &job.cancelled;
   return request;
 }
 
@@ -76,6 +77,7 @@ void draw_reference(const PictureJob& job, Picture& picture) {
     for (uint32_t repeat = 0; repeat < std::max(job.options.picture.repeats, 1u); ++repeat) {
       const Stopwatch watch;
       counters = job.tracer->tracer.trace_reference(request, image);
+      job.require_wanted();
       times.push_back(watch.ms());
     }
   }

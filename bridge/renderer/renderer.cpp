@@ -112,6 +112,7 @@ std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_ca
   check_camera(camera);
   check_options(options);
   if (backend_->drawing() == Drawing::rays) check_rays_alone(options);
+  cancelled_ = false;
   const BackendCall call(*backend_);
   set_scene(scene);
   const FramePlan plan = plan_frame(*snapshot_, options, backend_->drawing());
@@ -130,7 +131,7 @@ std::unique_ptr<Picture> Renderer::draw_next(const FramePlan& plan, const sidera
   backend_->resize(plan.width, plan.height);
   auto picture = std::make_unique<Picture>(plan.width, plan.height);
   prepare_rays(plan, camera, picture->stages);
-  PictureJob job{*backend_, *sequence_, drawn_.tracer.get(), snapshot_, plan, camera, options};
+  PictureJob job{*backend_, *sequence_, drawn_.tracer.get(), snapshot_, plan, camera, options, cancelled_};
   draw(job, *picture);
   backend_->require_no_errors();
   sequence_->keep(plan, {backend_->make_view(camera, glm::vec2(0)), snapshot_}, *picture);
@@ -145,6 +146,7 @@ std::vector<std::unique_ptr<Picture>> Renderer::render_many(sideray_scene* scene
     fail(SIDERAY_INVALID_ARGUMENT, "several pictures: each is one of its own, drawn once and whole; leave `continues`, `repeats` "
                                    "and budgets out");
   if (backend_->drawing() == Drawing::rays) check_rays_alone(options);
+  cancelled_ = false;
   const BackendCall call(*backend_);
   set_scene(scene);
   const FramePlan plan = plan_frame(*snapshot_, options, backend_->drawing());
@@ -184,7 +186,7 @@ void Renderer::draw_beside(const FramePlan& plan, std::span<const sideray_camera
     h.backend->resize(plan.width, plan.height);
     h.sequence->begin(plan, {cameras[i], options, snapshot_});
     pictures[i] = std::make_unique<Picture>(plan.width, plan.height);
-    PictureJob job{*h.backend, *h.sequence, h.tracer.get(), snapshot_, plan, cameras[i], options};
+    PictureJob job{*h.backend, *h.sequence, h.tracer.get(), snapshot_, plan, cameras[i], options, cancelled_};
     draw(job, *pictures[i]);
   });
 }

@@ -5,6 +5,7 @@
 
 #include <sideray/renderer.h>
 
+#include <atomic>
 #include <memory>
 #include <span>
 #include <string>
@@ -32,6 +33,8 @@ class Renderer {
   // One picture from each camera, each as render() draws it alone.
   std::vector<std::unique_ptr<Picture>> render_many(sideray_scene* scene, std::span<const sideray_camera> cameras,
                                                     const RenderOptions& options);
+  // Ends what another thread draws, whose call then throws Failure (CANCELLED). Any thread.
+  void cancel() { cancelled_ = true; }
 
  private:
   // Draws pictures beside the others.
@@ -55,6 +58,7 @@ class Renderer {
   struct ReleaseTracer {
     void operator()(sideray_tracer* tracer) const { sideray_tracer_release(tracer); }
   };
+  std::atomic<bool> cancelled_{false};  // the pictures that are being drawn
   std::unique_ptr<Backend> backend_;
   std::unique_ptr<Sequence> sequence_;
   rt::TracerConfig tracer_config_;

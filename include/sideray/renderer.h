@@ -342,6 +342,9 @@ SIDERAY_API sideray_status sideray_renderer_render_many(sideray_renderer* render
                                                         const sideray_camera* cameras, size_t count,
                                                         const sideray_render_options* options, sideray_picture** pictures,
                                                         sideray_error* error);
+/* Ends what another thread draws with the renderer: its call returns SIDERAY_CANCELLED once the tiles at hand are traced; what
+ * rays hit is built to its end first. The next picture continues none. Does nothing where nothing is drawn. Any thread. */
+SIDERAY_API void sideray_renderer_cancel(sideray_renderer* renderer);
 SIDERAY_API void sideray_picture_release(sideray_picture* picture);
 SIDERAY_API void sideray_picture_size(const sideray_picture* picture, uint32_t* width, uint32_t* height);
 /* Channels, stages and their strings live as long as the picture; NULL where there is none of that index. */

@@ -491,6 +491,8 @@ class Renderer {
       return error;
     return std::vector<Picture>(drawn.begin(), drawn.end());
   }
+  // Any thread. As sideray_renderer_cancel.
+  void cancel() const { sideray_renderer_cancel(get()); }
   sideray_device_info device() const {
     const sideray_device_info* device = nullptr;
     check([&](sideray_error* e) { return sideray_renderer_device(get(), &device, e); });

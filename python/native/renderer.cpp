@@ -118,6 +118,12 @@ class RendererHandle {
     renderer_ = nullptr;
   }
 
+  // Without the mutex, which the call that draws holds.
+  void cancel() {
+    require_open();
+    sideray_renderer_cancel(renderer_);
+  }
+
   PictureHandle render(const SceneHandle& scene, const py::dict& view, const OptionsHandle& options, uint32_t aovs,
                        uint32_t repeats, bool continues, float exposure, bool color) {
     const sideray_camera camera = camera_of(view);
@@ -282,6 +288,7 @@ void define_renderer(py::module_& module) {
            py::arg("aovs"), py::arg("exposure"), py::arg("color"), py::arg("instances"), py::arg("poses"),
            py::arg("lights"), py::arg("ends"))
       .def("device", &RendererHandle::device)
+      .def("cancel", &RendererHandle::cancel)
       .def("close", &RendererHandle::close);
 }
 

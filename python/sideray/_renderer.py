@@ -258,6 +258,10 @@ class Renderer:
         """id, gl, renderer and version of what it draws with; and reason, where "auto" found no OpenGL: why."""
         return self._renderer.device()
 
+    def cancel(self) -> None:
+        """Ends what another thread draws: its call raises Error. Does nothing where nothing is drawn."""
+        self._renderer.cancel()
+
     def close(self) -> None:
         """Gives back the context and everything in it. Pictures that were drawn stay."""
         self._renderer.close()

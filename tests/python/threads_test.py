@@ -166,3 +166,23 @@ def test_renderers_do_not_leave_anything():
 
     draw()
     assert growth(12, draw) < 24 << 20
+
+
+def test_a_picture_can_be_cancelled_by_another_thread(renderer):
+    scene = sideray.load("solids")
+    expected = renderer.render(scene, (48, 27)).rgb
+    ended = threading.Event()
+
+    def cancel():
+        while not ended.wait(0.001):
+            renderer.cancel()
+
+    thread = threading.Thread(target=cancel)
+    thread.start()
+    try:
+        with pytest.raises(sideray.Error, match="cancelled"):
+            renderer.render(scene, (48, 27), samples=4096)
+    finally:
+        ended.set()
+        thread.join()
+    assert np.array_equal(renderer.render(scene, (48, 27)).rgb, expected)

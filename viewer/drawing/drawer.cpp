@@ -31,7 +31,7 @@ bool is_power_of_two(uint64_t n) {
 }  // namespace
 
 Drawer::Drawer(Machine& machine, std::function<void()> wake)
-    : machine_(machine), wake_(std::move(wake)), pictures_([this] { draw_pictures(); }), previews_([this] { draw_previews(); }) {}
+    : machine_(machine), wake_(std::move(wake)), whole_(machine), small_(machine), pictures_([this] { draw_pictures(); }), previews_([this] { draw_previews(); }) {}
 
 Drawer::~Drawer() {
   stop();
@@ -42,6 +42,8 @@ Drawer::~Drawer() {
 void Drawer::stop() {
   const std::lock_guard lock(mutex_);
   stops_ = true;
+  whole_.cancel();
+  small_.cancel();
   changed_.notify_all();
 }
 
@@ -53,6 +55,7 @@ bool Drawer::is_idle() const {
 void Drawer::show(const View& view) {
   const std::lock_guard lock(mutex_);
   view_ = view;
+  if (whole_of_ != 0 && whole_of_ != view.number) whole_.cancel();
   changed_.notify_all();
 }
 
@@ -135,16 +138,23 @@ void Drawer::paint(std::unique_lock<std::mutex>& lock, Painter& painter, size_t 
   const View view = view_;
   const Way way = view.ways[side];
   ++busy_;
+  if (!effort.is_preview && is_slow(way)) whole_of_ = view.number;
   lock.unlock();
   std::shared_ptr<Frame> frame;
   std::string error;
+  bool is_cancelled = false;
   try {
     frame = painter.paint(view, way, effort);
+  } catch (const Error& failure) {
+    is_cancelled = failure.status == SIDERAY_CANCELLED;
+    error = failure.what();
   } catch (const std::exception& failure) {
     error = failure.what();
   }
   lock.lock();
   --busy_;
+  if (!effort.is_preview) whole_of_ = 0;
+  if (is_cancelled) return;
   if (!frame) {
     if (view.number != view_.number) return;
     side_of(side).is_done = true;
@@ -160,7 +170,6 @@ void Drawer::paint(std::unique_lock<std::mutex>& lock, Painter& painter, size_t 
 }
 
 void Drawer::draw_pictures() {
-  Painter painter(machine_);
   {
     const std::string device = [&] {
       try {
@@ -180,17 +189,16 @@ void Drawer::draw_pictures() {
       changed_.wait(lock);
       continue;
     }
-    paint(lock, painter, *side, {view_.width, view_.height, false, false, view_.is_moving ? hardware_budget_ms : 0});
+    paint(lock, whole_, *side, {view_.width, view_.height, false, false, view_.is_moving ? hardware_budget_ms : 0});
     compare(lock);
   }
 }
 
 void Drawer::draw_previews() {
-  Painter painter(machine_);
   std::unique_lock lock(mutex_);
   while (!stops_) {
     if (const std::optional<size_t> side = next_preview()) {
-      paint(lock, painter, *side, preview_effort(view_.ways[*side]));
+      paint(lock, small_, *side, preview_effort(view_.ways[*side]));
       changed_.notify_all();
     } else if (inspects()) {
       inspect(lock);

@@ -17,11 +17,12 @@ class Drawer {
  public:
   // `wake` is called on any thread when there is something new.
   Drawer(Machine& machine, std::function<void()> wake);
-  // Waits for the pictures that are being drawn.
+  // Ends the pictures that are being drawn.
   ~Drawer();
 
+  // Ends a picture of another view that takes long. Is called again and again, since a picture that only begins does not end.
   void show(const View& view);
-  // The pictures that are not begun will not be; is_idle() then says when those that were are done.
+  // Ends the pictures that are being drawn, and begins none; is_idle() then says when they have ended. Likewise.
   void stop();
   bool is_idle() const;
 
@@ -62,6 +63,8 @@ class Drawer {
   std::condition_variable changed_;
   bool stops_ = false;
   size_t busy_ = 0;  // threads that draw
+  Painter whole_, small_;  // of either thread
+  uint64_t whole_of_ = 0;  // the view of which a whole picture is being drawn that takes long; 0: none
   View view_;
   std::array<Side, sides> sides_;
   Shown shown_;

@@ -103,7 +103,19 @@ Picture Painter::draw(const View& view, Way way, const Effort& effort, uint32_t 
   Renderer& renderer = renderer_for(view, way, needs_rasterizer(options));
   const Scene& scene =
       view.scene->at(view.time_s, options["ray-traced"].empty() ? "auto" : options["ray-traced"], view.camera, effort.width, effort.height);
-  return renderer.render(scene, camera, drawn).value();
+  const auto draws_with = [&](Renderer* now) {
+    const std::lock_guard lock(mutex_);
+    drawing_ = now;
+  };
+  draws_with(&renderer);
+  Result<Picture> picture = renderer.render(scene, camera, drawn);
+  draws_with(nullptr);
+  return std::move(picture).value();
+}
+
+void Painter::cancel() {
+  const std::lock_guard lock(mutex_);
+  if (drawing_) drawing_->cancel();
 }
 
 void Painter::add(const Picture& picture, Refined& refined) const {

@@ -1,8 +1,9 @@
-// Draws views, each way of drawing with a renderer of its own, so that each has a past of its own. One thread.
+// Draws views, each way of drawing with a renderer of its own, so that each has a past of its own. One thread, but for cancel().
 #pragma once
 
 #include <array>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -25,6 +26,8 @@ class Painter {
 
   // The next picture of a side: of a view that stands still the one that is a position better. Throws Error.
   std::shared_ptr<Frame> paint(const View& view, Way way, const Effort& effort);
+  // Ends the picture that is being drawn, if one is: paint() throws Error (CANCELLED). Any thread.
+  void cancel();
 
  private:
   // The mean of the pictures of a reference so far.
@@ -47,6 +50,8 @@ class Painter {
   };
   std::array<Drawing, way_count> drawings_;
   Refined refined_;
+  std::mutex mutex_;
+  Renderer* drawing_ = nullptr;  // under the mutex; null between pictures
 };
 
 }  // namespace sideray::viewer

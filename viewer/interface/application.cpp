@@ -302,10 +302,11 @@ void Application::run() {
 }
 
 bool Application::ends_within(double seconds) {
-  drawer_->stop();
   for (const double start = glfwGetTime(); glfwGetTime() - start < seconds;
-       std::this_thread::sleep_for(std::chrono::milliseconds(5)))
+       std::this_thread::sleep_for(std::chrono::milliseconds(5))) {
+    drawer_->stop();
     if (drawer_->is_idle() && !loader_.is_loading()) return true;
+  }
   chart_.stop();
   return false;
 }
