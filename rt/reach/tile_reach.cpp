@@ -149,7 +149,7 @@ bool TileReach::meets_sprites(size_t tile, const model::Bounds& box) const {
   return meets(sprites_, tile, box);
 }
 
-thread_local Following* Following::now_ = nullptr;
+constinit thread_local Following* Following::now_ = nullptr;
 
 Following::Following(TileReach* reach, Rays rays) : reach_(reach), rays_(rays) {
   now_ = reach ? this : nullptr;

@@ -89,7 +89,8 @@ class Following {
   void follow(std::span<const Ray> rays, const Hit* hits);
 
  private:
-  static thread_local Following* now_;
+  // constinit: without it every use goes through a function that could initialise it, whose answer UBSan takes for null.
+  static constinit thread_local Following* now_;
 
   TileReach* reach_;
   const Rays rays_;
