@@ -12,7 +12,7 @@ namespace sideray::bridge {
 void check_frame(const FrameInputs& inputs);
 void check_view_id(uint32_t id);
 
-// For the guards around what is done for the frame.
+// The policy for the state guards of this frame's calls.
 inline gl::StatePolicy policy_of(const FrameInputs& in) {
   return in.state_policy == SIDERAY_HOST_RESTORES ? gl::StatePolicy::leave : gl::StatePolicy::restore;
 }

@@ -36,7 +36,7 @@ struct sideray_tracer {
   std::shared_ptr<const sideray::model::Snapshot> committed() const;
   // Takes the turn on a thread of the host; what the host's shader is asked for meanwhile is done.
   std::unique_lock<sideray::bridge::TracerTurn> take_turn_in_call();
-  // Whoever waits for the turn or for the host's shader looks whether its frame was cancelled.
+  // Wakes threads that wait for the turn or for the host's shader: they check whether their frame was cancelled.
   void wake();
   // Makes the tracer hold a commit; call in turn.
   void use(std::shared_ptr<const sideray::model::Snapshot> commit);

@@ -162,7 +162,7 @@ void Sequence::keep(const FramePlan& plan, gl::FrameBefore frame, const Picture&
   ++averaged_;
 }
 
-// The first picture of a sequence is the one that it is alone.
+// The first picture of a sequence has no jitter: it equals the picture drawn alone.
 glm::vec2 Sequence::jitter(const FramePlan& plan, uint32_t sample) const {
   if (adds()) return sample_jitter(still_.position(), StillPicture::positions);
   if (!plan.averages) return sample_jitter(sample, plan.samples);
@@ -187,7 +187,8 @@ void Sequence::show(const FramePlan& plan, const rt::Counters& trace, std::vecto
   }
   // Pixels may lack answers even then, where reprojection did not reach them.
   is_settled_ = trace.frames_waiting < rests_for_;
-  // Under a budget half of the average and more may be of before the change.
+  // Under a budget half of the average, or more, may still show the view before the change: it counts as fewer
+  // positions.
   const uint32_t counts = has_budget(inputs_.options) ? std::min(averaged_ + 1, most_averaged_under_budget) : averaged_ + 1;
   if (plan.averages) still_.begin_with(colors, counts);
 }

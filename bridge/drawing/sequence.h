@@ -47,9 +47,10 @@ class Sequence {
   // Whether the frame continues the last one: a picture that is accumulated uses no history. Under a budget it shows
   // history until it has its own answers, so that they are there when something moves.
   bool follows() const { return !adds() || position_frames() > 0; }
-  // Whether it does so, and parts of the picture begin anew, since they see something move: these show the average over time.
+  // Whether pictures are accumulated and some tiles restart, since they see something move. These show the temporal
+  // average.
   bool begins_tiles() const { return still_.adds() && still_.begins_tiles(); }
-  // The tiles that the picture needs; null: all. Others may hold anything.
+  // The tiles that must be drawn; null: all. The contents of the others do not matter.
   std::shared_ptr<const rt::WantedTiles> wanted(const FramePlan& plan);
   // Of these, those in which surfaces are lit anew; in the others masks and reflections are as they were.
   std::shared_ptr<const rt::WantedTiles> wanted_light(const FramePlan& plan);

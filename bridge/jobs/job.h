@@ -73,8 +73,8 @@ class Job {
   // Fills the job's image.
   virtual rt::Counters trace(const JobFrame& frame, const TraceInput& input) = 0;
 
-  // Makes everything that the next upload needs, so that it cannot fail; until then the outputs stay what they are.
-  // Needs guards over pixel transfer and unit 0's textures, which is active. Throws Failure.
+  // Makes everything that the next upload needs, so that the upload cannot fail. Leaves the outputs unchanged. Needs
+  // unit 0 active, and guards over its textures and pixel transfer. Throws Failure.
   virtual void prepare(const gl::Functions& gl, const JobFrame& frame) = 0;
   // Moves the image's texels and returns their bytes. Needs guards over pixel transfer and unit 0's textures.
   virtual uint64_t upload(const gl::Functions& gl, const JobFrame& frame, const UploadWay& way) = 0;

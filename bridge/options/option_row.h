@@ -66,11 +66,11 @@ struct OptionRow {
   // contradictions mean that the value is not read; `checks_structs`: this one does not.
   void (*check)(const OptionValues&, const OptionValue&) = nullptr;
   bool checks_structs = false;
-  // Values that the structs may have besides: those without a word.
+  // Further values that the structs may hold, for which the command line has no word.
   std::vector<double> in_structs = {};
   // It says which random numbers are drawn, and nothing else.
   bool is_random = false;
-  // The value that counts, where others decide: of an option that is not set, or is overruled.
+  // The value in effect if the option is not set, or if another option overrules it.
   std::string (*decided)(const OptionValues&, const std::string& text) = nullptr;
   // The one value that may be said beside `reference`, which decides the option itself: "" = none, nullptr = all.
   const char* beside_reference = nullptr;

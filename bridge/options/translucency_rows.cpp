@@ -111,7 +111,7 @@ OptionRow ray_traced_row() {
   return row;
 }
 
-// Surfaces of a ray by what the method accepts. A 0 from the struct is the word of unlimited, and a number where the method
+// Checks the number of surfaces against the method's range. In the struct 0 means unlimited, but 0 layers if the method
 // is hybrid.
 void check_layers(const OptionValues& v, const OptionValue& value) {
   if (!v.is_hybrid() && !v.is_raytraced()) return;

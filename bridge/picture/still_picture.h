@@ -33,7 +33,7 @@ class StillPicture {
   uint32_t position_frames() const { return position_frames_; }
   // The random numbers that position 0 is drawn with, as sideray_render_options::seed.
   uint32_t seed() const { return seed_; }
-  // Whether a picture was added since the last one that was not.
+  // Whether the last picture was accumulated.
   bool has_added() const { return pictures_ > 0; }
   // Of how many positions every tile is the mean at least; 0 where one is that of none.
   uint32_t added() const;

@@ -181,7 +181,7 @@ void add_masks(const model::Snapshot& snapshot, const RenderOptions& o, const Fr
   };
   for (uint32_t bits = plan.masks.shadow_lights; bits != 0; bits &= bits - 1)
     add(plan.masks.denoise && rt::is_filtered(snapshot.lights[static_cast<size_t>(std::countr_zero(bits))], random));
-  // It is noisy by nature: each pixel's ray goes to a random light.
+  // The combined mask is always noisy, since each pixel's ray goes to a random light.
   if (plan.masks.combined_lights) add(plan.masks.denoise);
   work.rays_ao = plan.masks.ao_rays * (pixels + (plan.masks.denoise ? measured : 0));
 }

@@ -41,7 +41,7 @@ void describe_scene(const model::Snapshot& snapshot, sideray_render_stats& stats
   stats.materials = snapshot.materials.size();
 }
 
-// Commits that change nothing. What the wind moves and sprites do not stand still.
+// Whether two commits show the same picture. Wind and sprites always move.
 bool show_the_same(const model::Snapshot& a, const model::Snapshot& b) {
   const auto stands_still = [](const model::Snapshot& s) { return s.winds.empty() && s.particles.empty(); };
   return &a == &b || (stands_still(a) && stands_still(b) && rt::are_equal(a, b));

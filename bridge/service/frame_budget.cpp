@@ -57,7 +57,7 @@ FrameBudget::Turn FrameBudget::start(uint32_t view_id, size_t job, const std::ar
   const std::lock_guard lock(mutex_);
   Cost& own = costs_[view_id][job];
   own.expected -= own.expected > 0;
-  // The last upload comes behind all; the others go on beside the rays of the next job.
+  // Only the last job's upload adds to the frame: the others overlap the rays of the next job.
   double rays = 0.0, others = own.after, last_upload = own.upload;
   const auto add = [&](const Cost& cost) {
     rays += cost.rays;

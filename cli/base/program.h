@@ -5,7 +5,7 @@
 
 namespace sideray::cli {
 
-// "0.2.0"
+// For example "0.3.0".
 std::string program_version();
 
 // The version and a hash of the program's file and of the libraries of its own that it has loaded: another build is

@@ -14,7 +14,7 @@ class Error(ctypes.Structure):
     _fields_ = [("status", ctypes.c_int), ("message", ctypes.c_char * 1020)]
 
 
-# Structs as sideray 0.2.0 has them. Later versions grow at their end: their libraries read the size that is set here,
+# Structs as sideray 0.3.0 has them. Later versions grow at their end: their libraries read the size that is set here,
 # and fill no more than it.
 class Camera(ctypes.Structure):
     _fields_ = [("size", ctypes.c_size_t), ("world_from_camera", ctypes.c_double * 12),
@@ -36,7 +36,7 @@ def load(name):
     return ctypes.CDLL(os.path.join(folder, name) if folder else name)
 
 
-sideray, scenes = load("libsideray.so.0.2"), load("libsideray_scenes.so.0.2")
+sideray, scenes = load("libsideray.so.0.3"), load("libsideray_scenes.so.0.3")
 sideray.sideray_options_render.restype = ctypes.c_void_p
 sideray.sideray_options_render.argtypes = [ctypes.c_void_p]
 sideray.sideray_picture_channel_count.restype = ctypes.c_size_t

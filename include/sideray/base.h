@@ -6,7 +6,7 @@
 #include <stdint.h>
 
 #define SIDERAY_VERSION_MAJOR 0
-#define SIDERAY_VERSION_MINOR 2
+#define SIDERAY_VERSION_MINOR 3
 #define SIDERAY_VERSION_PATCH 0
 
 #if defined(__GNUC__)

@@ -101,7 +101,7 @@ SIDERAY_API int32_t sideray_options_equal(const sideray_options* a, const sidera
 /* How pictures of a sequence depend on those before them. 1 was a value of version 0.2. */
 typedef enum sideray_past {
   SIDERAY_PAST_NONE = 0,
-  SIDERAY_PAST_AVERAGED = 2, /* they, or what they are made of, are averaged: each needs random numbers of its own */
+  SIDERAY_PAST_AVERAGED = 2, /* pictures or masks are averaged over frames: each frame needs its own random numbers */
   SIDERAY_PAST_FORCE_32 = 0x7fffffff
 } sideray_past;
 

@@ -17,7 +17,7 @@ typedef struct sideray_plan sideray_plan;
  * caller's; it refers to neither scene nor options. */
 SIDERAY_API sideray_status sideray_plan_create(sideray_scene* scene, const sideray_render_options* options,
                                                sideray_plan** plan, sideray_error* error);
-/* The same of a renderer whose device has gl "none": rays take the place of the rasterizer, and there are no textures. */
+/* The same for a renderer without OpenGL (gl "none"): rays replace the rasterizer, and there are no textures. */
 SIDERAY_API sideray_status sideray_plan_create_without_gl(sideray_scene* scene, const sideray_render_options* options,
                                                           sideray_plan** plan, sideray_error* error);
 SIDERAY_API void sideray_plan_release(sideray_plan* plan); /* NULL is allowed */
@@ -48,10 +48,10 @@ SIDERAY_API int32_t sideray_plan_ao(const sideray_plan* plan);
 SIDERAY_API int32_t sideray_plan_bounce(const sideray_plan* plan);
 SIDERAY_API int32_t sideray_plan_reflections(const sideray_plan* plan);
 
-/* A texture, or an array of `layers`, that the frame reads or writes; buffers that stand in for one count as one. The
- * scene's own are `layers` equal ones with all their mip levels. Shadow maps and the scene's are as large as given
- * where the driver allows such sides. Not among them: single texels that stand in for a texture that is not there, and
- * the lists of SIDERAY_OIT_ABUFFER beside their heads, which grow with what is seen. */
+/* A texture, or an array of `layers`, that the frame reads or writes; buffers used in place of one count as one.
+ * Textures of the scene that are equal in size and format are one entry of `layers`, with all mip levels. Shadow maps
+ * and the scene's textures may be smaller if the driver does not allow their size. Not listed: 1x1 textures that
+ * replace missing ones, and the fragment lists of SIDERAY_OIT_ABUFFER, whose size depends on the picture. */
 typedef struct sideray_plan_texture {
   const char* name;
   const char* format; /* OpenGL's name of it, without GL_ */
@@ -65,8 +65,8 @@ SIDERAY_API const sideray_plan_texture* sideray_plan_texture_at(const sideray_pl
 
 #define SIDERAY_UNBOUNDED UINT64_MAX
 
-/* What the counters of sideray_render_stats cannot exceed; SIDERAY_UNBOUNDED where the scene's content alone decides.
- * bytes_cache is exact, and bytes_readback where there is no second wave. */
+/* Upper bounds of the counters of sideray_render_stats; SIDERAY_UNBOUNDED if only the scene's content bounds one.
+ * bytes_cache is exact, and so is bytes_readback without a second wave. */
 typedef struct sideray_plan_work {
   uint64_t rays_primary, rays_reflection, rays_shadow, rays_ao;
   uint64_t fragments; /* layers_matched + layers_missed */
@@ -76,23 +76,23 @@ typedef struct sideray_plan_work {
 
 SIDERAY_API const sideray_plan_work* sideray_plan_most_work(const sideray_plan* plan);
 
-/* What of a committed scene decides which options can make a difference, as frames decide it. */
+/* The facts of a committed scene by which frames decide which options have an effect. */
 typedef struct sideray_scene_facts {
   size_t size;
   uint64_t triangles, instances, materials;
   uint64_t translucent_objects;
   uint64_t layered_objects;  /* of them, those that may have layers: visible in layers, with a surface id */
-  uint64_t most_layers;      /* of these, that one ray hits, at most; SIDERAY_UNBOUNDED: it may be 64 or more */
-  uint64_t most_surfaces;    /* of all translucent ones, likewise */
+  uint64_t most_layers;      /* most surfaces of these that one ray can hit; SIDERAY_UNBOUNDED: 64 or more */
+  uint64_t most_surfaces;    /* the same of all translucent objects */
   uint64_t sprites;
   uint64_t lit_lights;       /* that send light */
   uint64_t swaying_objects;  /* opaque ones that wind moves */
-  uint64_t swaying_copies;   /* of one mesh, at most */
+  uint64_t swaying_copies;   /* the most of them that share one mesh */
   uint64_t inexact_objects[3]; /* that take the inexact shadow test, by sideray_inexact_target */
   uint64_t glossy_objects;   /* opaque ones that `reflections` mirrors */
   int32_t has_environment;   /* with light in it */
   uint64_t traceable_objects; /* translucent ones that may have layers once they are visible in them */
-  uint64_t bending_objects; /* translucent ones that `refraction` is about: they bend light, or blur it */
+  uint64_t bending_objects; /* translucent ones on which `refraction` has an effect: they refract or blur */
   int32_t auto_ao, auto_reflections; /* 1 where SIDERAY_AMBIENT_AUTO and SIDERAY_REFLECTIONS_AUTO trace them */
   int32_t auto_bounce; /* 1 where SIDERAY_AMBIENT_AUTO traces what surfaces throw on each other */
 } sideray_scene_facts;

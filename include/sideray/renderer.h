@@ -127,12 +127,12 @@ enum { /* additional outputs */
        SIDERAY_AOV_REFRACTION = 16384u /* where the picture shows that place without glass: refraction.* */
 };
 
-/* A ray_reuse that the plan chooses: 1/64, over 2^exposure where the picture is shown brighter than it is, and 0 where
- * none is supported. sideray_plan_ray_reuse says which. */
+/* The plan chooses ray_reuse: 1/64, divided by 2^exposure for exposures above 0, and 0 where it is not supported.
+ * sideray_plan_ray_reuse returns what was chosen. */
 #define SIDERAY_RAY_REUSE_AUTO (-1.0f)
 
-/* `reflections` as the plan chooses by what the scene is (docs/adr/0034-opaque-rays.md): on where a picture comes nearer to light
- * that bounces by them. sideray_plan_reflections says which. */
+/* Reflections are traced if some opaque surface is smooth enough (docs/adr/0034-opaque-rays.md);
+ * sideray_plan_reflections returns what was chosen. */
 #define SIDERAY_REFLECTIONS_AUTO (-1)
 
 /* The light of opaque surfaces that comes straight from no lamp. */
@@ -152,10 +152,10 @@ typedef struct sideray_translucency_options {
   sideray_match match;  /* HYBRID, as the next three */
   float match_threshold; /* share of the distance, > 0 */
   sideray_cache_rate cache_rate;
-  int32_t second_wave; /* trace what no neighbour has an answer for */
+  int32_t second_wave; /* trace the pixels for which no neighbour has an answer */
   sideray_step step; /* HYBRID and RAYTRACED */
-  /* Surfaces of volumes bend what is seen through them, rough ones blur it: by rays, and where there are none (RASTER, and
-   * surfaces that HYBRID has no layer of) in the picture of what is opaque. RAYTRACED: rays hit particles. */
+  /* refraction: volumes refract what is seen through them, and rough surfaces blur it, by rays; RASTER, and surfaces
+   * without a layer, refract the picture of the opaque surfaces. particles, of RAYTRACED: rays hit sprites. */
   int32_t refraction, particles;
   sideray_oit oit;               /* RASTER and HYBRID */
   uint32_t light_samples;        /* REFERENCE: light and microfacet samples of each camera position, 1..2^20 */
@@ -164,7 +164,7 @@ typedef struct sideray_translucency_options {
    * (sideray_layer_inputs::whole_pixels), with an `oit` of SORTED or ABUFFER, a COUNT mask and FULL rate */
   int32_t whole_pixels;
   /* HYBRID and RAYTRACED: sideray_layer_inputs::ray_reuse, or SIDERAY_RAY_REUSE_AUTO; above 0 not with a shader of
-   * the host, nor a `cache_rate` other than FULL; RAYTRACED lends nothing where it refracts */
+   * the host, nor a `cache_rate` other than FULL; RAYTRACED reuses nothing where it refracts */
   float ray_reuse;
   uint32_t bounces;    /* REFERENCE: sideray_reference_options::bounces */
 } sideray_translucency_options;
@@ -205,9 +205,9 @@ typedef struct sideray_reference_options {
    * which surfaces light each other and occlude the environment; 0: paths of any length. Passing through a surface is no
    * bounce. */
   uint32_t bounces;
-  /* Paths: how lamps and shining surfaces are reached where glass is in the way. 0: straight through it, tinted, as in every
-   * other way of drawing. 1: by what bends and mirrors their light, where they have a size: caustics. The surroundings and
-   * discs of 5 degrees and more always are. */
+  /* Paths: how light of lamps and shining surfaces passes glass. 0: straight, tinted, as in every other way of drawing.
+   * 1: light of sources with a size is refracted and mirrored: caustics. The environment and discs of 5 degrees and
+   * more are always refracted. */
   int32_t caustics;
 } sideray_reference_options;
 
@@ -223,14 +223,14 @@ typedef struct sideray_render_options {
   uint32_t samples;       /* camera positions per pixel, averaged; 1 = the pixel centre */
   uint32_t seed;
   const sideray_translucency_options* translucency; /* NULL: translucent surfaces are not drawn */
-  const sideray_shadow_options* shadows;            /* NULL: no visibility of lights anywhere */
+  const sideray_shadow_options* shadows;            /* NULL: lights are visible everywhere, without shadows */
   const sideray_pose_options* poses;                /* NULL: every instance is traced as it is drawn */
-  /* NULL: off. Else everything is drawn by rays: of the shadows it only counts whether there are any, and translucency,
-   * poses and `denoise` are not read. */
+  /* NULL: off. Otherwise everything is drawn by rays: `shadows` only matters as NULL or not, and translucency, poses
+   * and `denoise` are not read. */
   const sideray_reference_options* reference;
-  /* Of opaque surfaces, by rays: 0, 1, or SIDERAY_REFLECTIONS_AUTO, which is 0 in a reference. */
+  /* Traced reflections of opaque surfaces: 0, 1, or SIDERAY_REFLECTIONS_AUTO, which is 0 in a reference. */
   int32_t reflections;
-  int32_t ambient; /* a sideray_ambient. A reference computes what that stands for, and takes any for OFF */
+  int32_t ambient; /* a sideray_ambient; references ignore it, and paths compute that light */
   int32_t denoise;         /* masks, and what rough surfaces reflect by rays, are filtered */
   int32_t taa;             /* with `continues`: average with earlier frames along the motion */
   /* The picture follows the last one that this renderer drew, as the next of a sequence: temporal methods may use what
@@ -242,12 +242,12 @@ typedef struct sideray_render_options {
    * once to count its fragments. */
   uint32_t repeats;
   const sideray_diagnostics* diagnostics; /* NULL: none */
-  /* Stops that the picture is going to be shown brighter by, -64..64: SIDERAY_RAY_REUSE_AUTO, for one, bounds a
-   * change of what is seen. It is not applied: pictures hold linear radiance. */
+  /* The exposure at which the picture will be shown, in stops, -64..64. It is not applied, since pictures hold linear
+   * radiance, but bounds such as SIDERAY_RAY_REUSE_AUTO are of displayed values. */
   float exposure;
   float budget_ms; /* sideray_frame_inputs::budget_ms; 0 = none. Not with deadline_ms */
-  /* 1: the picture has no R, G, B and A, and nothing is lit for them: depth, ids and what else `aovs` names, for a share of
-   * the time. Not with `reference`. */
+  /* 1: the picture has no R, G, B and A, and nothing is lit: only depth, ids and what `aovs` names, in less time. Not
+   * with `reference`. */
   int32_t without_color;
 } sideray_render_options;
 
@@ -271,8 +271,8 @@ typedef enum sideray_stage {
   SIDERAY_STAGE_LIGHT,
   SIDERAY_STAGE_COMPOSITE,
   SIDERAY_STAGE_TOTAL_FRAME,
-  /* TOTAL_FRAME where the shadow maps of what has not moved are kept, as they are from picture to picture; the repeats
-   * of TOTAL_FRAME draw them each time. 0 without shadow maps. */
+  /* TOTAL_FRAME of a frame that reuses the shadow maps of what has not moved; the repeats of TOTAL_FRAME draw all maps
+   * anew. 0 without shadow maps. */
   SIDERAY_STAGE_KEPT_FRAME,
   SIDERAY_STAGE_FORCE_32 = 0x7fffffff /* later versions may have more */
 } sideray_stage;
@@ -305,13 +305,13 @@ typedef struct sideray_render_stats {
   char embree[32];
   uint64_t layers_borrowed; /* as in sideray_frame_stats */
   uint64_t layers_refracted; /* likewise */
-  /* The share of reference_self_error that the thousandth of all pixels with the largest part of it has; negative: just
-   * one sample. Near 1, a few fireflies make up the error, and with other seeds it would be quite another. */
+  /* The part of reference_self_error in the worst thousandth of all pixels; negative: just one sample. Near 1 a few
+   * fireflies make up the error, and another seed would give quite another one. */
   double reference_firefly_share;
   uint32_t reference_bounces; /* 0 = unlimited, or nothing of the picture is a reference */
   int32_t reference_caustics; /* sideray_reference_options::caustics */
   uint64_t pixels_older, mask_pixels_late, mask_pixels_older, answer_age; /* likewise */
-  /* Camera positions that the picture is the mean of: `samples`, or those that a view which stands still has added up. */
+  /* Camera positions averaged in the picture: `samples`, or those that a view at rest has accumulated. */
   uint64_t positions;
   uint64_t reflection_pixels_late, reflection_pixels_older, jobs_starved; /* as in sideray_frame_stats */
   uint64_t rays_bounce, irradiance_pixels_late, irradiance_pixels_older;  /* likewise */

@@ -14,9 +14,9 @@ extern "C" {
 typedef struct sideray_service sideray_service;
 typedef struct sideray_diagnostics sideray_diagnostics; /* diagnostics.h */
 
-/* A camera as the host's matrices say it. Perspective (also off-axis) and orthographic; the kind is read from the
- * matrix. Distances are measured along the view ray from the eye (perspective) or the near plane (orthographic). This
- * struct never grows. */
+/* A camera, given by the host's matrices: perspective (also off-axis) or orthographic; the matrix says which. Distances
+ * are measured along the view ray from the eye (perspective) or the near plane (orthographic). This struct never grows.
+ * */
 typedef struct sideray_view {
   double clip_from_world[16];
   double world_from_clip[16];
@@ -24,8 +24,9 @@ typedef struct sideray_view {
   int32_t zero_to_one_depth; /* clip space z runs 0..w (glClipControl) instead of -w..w */
 } sideray_view;
 
-/* The view of column-major matrices as an engine of OpenGL has them, clip from eye and eye from world; reversed_depth and
- * zero_to_one_depth are 0. Refuses what has no inverse and no eye: matrices that are transposed, or in the wrong order. */
+/* Makes a view of OpenGL's column-major matrices, clip from eye and eye from world; reversed_depth and
+ * zero_to_one_depth are 0. Refuses matrices without an inverse or an eye: they are transposed, or in the wrong order.
+ * */
 SIDERAY_API sideray_status sideray_view_from_matrices(const double projection[16], const double modelview[16],
                                                       sideray_view* view, sideray_error* error);
 
@@ -44,8 +45,8 @@ typedef enum sideray_service_mode {
   SIDERAY_COMPOSITE = 1 /* composite up to max_layers surfaces in ray order (fully ray-traced translucency) */
 } sideray_service_mode;
 
-/* How a fragment finds its layer: its surface is the layer's within what rasterization and rays may disagree by
- * (docs/architecture.md). diagnostics.h has one more value. */
+/* How a fragment finds its layer, within the tolerance by which rasterizer and rays may differ (docs/architecture.md).
+ * diagnostics.h has one more value. */
 typedef enum sideray_match {
   SIDERAY_MATCH_ID = 0,      /* the same surface id, then the nearest distance */
   SIDERAY_MATCH_NEAREST = 1, /* the nearest distance of any surface */
@@ -70,25 +71,24 @@ typedef enum sideray_cache_rate {
   SIDERAY_RATE_TEMPORAL8 = 5
 } sideray_cache_rate;
 
-/* Whether the shadow rays of marked pixels are exact, or regard that the traced geometry is not posed as the drawn one
- * is (RTG2 50.3.2). B is sideray_mask_inputs::inexact_bias, u a random number in 0..1. diagnostics.h has one more
- * value. */
+/* How shadow rays of marked pixels deal with plants that rays hit in another pose than the drawn one (RTG2 50.3.2). B
+ * is sideray_mask_inputs::inexact_bias, u a random number in 0..1. diagnostics.h has one more value. */
 typedef enum sideray_inexact {
   SIDERAY_EXACT = 0,
   SIDERAY_INEXACT_TMIN = 1,     /* hits nearer than u * B do not count (listing 50-3) */
-  SIDERAY_INEXACT_BOUNDED = 2,  /* the same with the most that wind moves the pixel by for B */
+  SIDERAY_INEXACT_BOUNDED = 2,  /* the same; B is the largest distance by which wind moves the pixel */
   SIDERAY_INEXACT_RESTPOSE = 3, /* the ray starts at the pixel's undeformed position */
   SIDERAY_INEXACT_FORCE_32 = 0x7fffffff
 } sideray_inexact;
 
 typedef uint64_t sideray_ticket; /* 0 is never a ticket */
 
-/* What becomes of the OpenGL state that is touched for a frame. */
+/* Who restores the OpenGL state that a frame changes. */
 typedef enum sideray_state_policy {
   SIDERAY_SAVE_AND_RESTORE = 0, /* it is put back exactly */
-  /* No state is read. It is left as OpenGL has it at first: nothing bound, no program, unit 0 active; viewports are
-   * left as they come. docs/embedding.md lists it call by call. For engines that set what they need, and for drivers
-   * that work in a thread of their own, which reading state waits for. */
+  /* No state is read, and what was changed is left at OpenGL's initial values: nothing bound, no program, unit 0
+   * active; viewports are undefined. docs/embedding.md lists it call by call. For engines that set what they need, and
+   * for threaded drivers, which stall when state is read. */
   SIDERAY_HOST_RESTORES = 1
 } sideray_state_policy;
 
@@ -108,8 +108,8 @@ typedef struct sideray_frame_source {
   uint32_t mask_texture;      /* SIDERAY_MASK_TEXTURE: R8 2D of the framebuffer's size */
   const uint8_t* mask_texels; /* SIDERAY_MASK_MEMORY: of the rectangle, read within submit */
   size_t mask_row_bytes;
-  /* RG32F or RG16F 2D of the framebuffer's size, read by masks of frames that continue: where what the pixel shows is
-   * minus where it was in the previous frame, in pixels; 0 = nothing but the view has moved. */
+  /* RG32F or RG16F 2D of the framebuffer's size, read by masks of frames that continue: the pixel's position minus that
+   * of the same surface point in the previous frame, in pixels. 0 = only the view has moved. */
   uint32_t motion_texture;
   uint32_t reserved[15]; /* 0 */
 } sideray_frame_source;
@@ -128,30 +128,30 @@ typedef struct sideray_layer_inputs {
   float radiance_scale; /* > 0: radiance is multiplied by it before the transfer function */
   int32_t float_ids;    /* surface ids as floats in R32F, below 2^24: for GLSL 1.20; always, without integer textures */
   int32_t denoise;      /* CACHE: what rough surfaces reflect is filtered */
-  /* Surfaces of volumes bend what is seen through them, rough ones blur it. CACHE: the first such surface of a pixel is
-   * resolved, where it is one of the max_layers: its layer holds all that is seen there, through it too, and nothing behind
-   * it is to be drawn (sideray_look_up() of the snippet). Its distance is stored as a negative number. */
+  /* Volumes refract what is seen through them, and rough surfaces blur it. CACHE: the first such surface of a pixel is
+   * resolved if it is one of the max_layers: its layer holds everything seen through it, and nothing behind it may be
+   * drawn (sideray_look_up() of the snippet). Its distance is stored as a negative number. */
   int32_t refraction;
   int32_t particles;       /* COMPOSITE: rays hit sprites, as quads that face the eye */
   uint32_t requested_bits; /* with adds_to; outside stencil_bits, for example 0x40 where sideray_asks() holds */
-  /* CACHE: the second wave of a frame that was not traced in full (cache_rate), with the inputs of that frame. Its
-   * ticket, where it is the newest finished frame and nothing else is in flight: the frame's answers stay, and pixels
-   * whose stencil has one of `requested_bits` are traced and added to them. 0 = a frame of its own. */
+  /* CACHE: makes this frame the second wave of a frame at a reduced cache_rate: that frame's ticket, with its inputs
+   * otherwise. It must be the newest finished frame, and nothing else may be in flight. Its layers stay, and pixels
+   * whose stencil has one of `requested_bits` are traced and added. 0 = a frame of its own. */
   sideray_ticket adds_to;
-  /* CACHE: pixels of which the cache holds every surface, as many as the mask counts, are composited along the ray too,
-   * in exact order: sideray_layer_outputs::whole_radiance_texture. For a mask that counts, at FULL rate, in LINEAR space
-   * with a scale of 1; not with a shader of the host. */
+  /* CACHE: pixels of which the cache holds as many surfaces as the mask counts are also composited along the ray, in
+   * exact order: sideray_layer_outputs::whole_radiance_texture. Needs a mask that counts, FULL rate, LINEAR space with
+   * a scale of 1, and no shader of the host. */
   int32_t whole_pixels;
-  /* Whole pixels: the host has set one of these stencil bits, outside stencil_bits, wherever it draws something
-   * translucent that the mask does not count; no such pixel is whole. 0 = it draws nothing of the kind. */
+  /* Whole pixels: stencil bits outside stencil_bits, one of which the host sets wherever it draws something translucent
+   * that the mask does not count; such pixels are not whole. 0 = it draws nothing of the kind. */
   uint32_t others_bits;
   /* One pixel of four traces the shadow and reflection rays of its layers. The others reuse the results of these donors on
    * the same surface, unless the donors differ by more than this much radiance in what a layer adds to its pixel: then the
    * pixel traces its own rays. 0 = every layer traces its own. At FULL rate; not with a COMPOSITE of `refraction`, nor with a
    * shader of the host. */
   float ray_reuse;
-  /* COMPOSITE: above 0, surfaces are shaded as sideray_reference_options has it, by so many samples of each light with a
-   * size, of the environment and of microfacets, at most 2^20. Not with a shader of the host. */
+  /* COMPOSITE: above 0, surfaces are shaded as in references (sideray_reference_options), with this many samples, at
+   * most 2^20, of each light with a size, of the environment and of microfacets. Not with a shader of the host. */
   uint32_t light_samples;
   uint32_t bounces; /* with light_samples: sideray_reference_options::bounces */
 } sideray_layer_inputs;
@@ -163,40 +163,40 @@ SIDERAY_DEFAULTS(sideray_layer_inputs, layer_inputs)
 typedef struct sideray_mask_inputs {
   size_t size;
   uint32_t shadow_lights; /* bit i: light i of the scene, of its first 32, has a mask of its own */
-  /* One more mask for all lights from the 33rd on together: the share of their light that arrives, weighted as each
-   * lights the pixel. One ray a pixel, to a light drawn by its weight. */
+  /* One more mask for all lights from the 33rd on: the share of their combined light that arrives at the pixel. One ray
+   * a pixel goes to one of these lights, drawn by how much it adds. */
   int32_t combined_lights;
   sideray_inexact inexact; /* of pixels whose stencil has one of inexact_bits */
   float inexact_bias;      /* B, world units, >= 0 */
   uint32_t inexact_bits;   /* outside stencil_bits, for example 0x80; 0 = no pixel */
   uint32_t rest_texture;   /* RESTPOSE, BOUNDED: RGBA32F 2D of the framebuffer's size; xyz = undeformed position minus
                             * the drawn one, world units; w unused. 0 = none */
-  /* Added to how far rays start off the surface, along its normal: in world units, >= 0. What depth may be wrong by is
-   * covered without it; it is for hosts whose drawn and traced tessellation differ. */
+  /* Moves the start of rays farther off the surface, along its normal: world units, >= 0. The error of the depth buffer
+   * is covered without it; use it if the drawn and the traced tessellation differ. */
   float shadow_bias;
   uint32_t ao_rays;  /* 0 = no ambient occlusion mask */
   float ao_distance; /* world units, > 0; +inf = unlimited */
   int32_t denoise;
-  /* The same as shadow_bias in steps of the depth format, >= 0: rays start so many values of the depth buffer nearer to
-   * the eye, besides what is always allowed for (docs/embedding.md). It grows with the distance as the depth's own error does.
-   * For drivers and geometry whose depth is worse than that. */
+  /* The same in steps of the depth format, >= 0: rays start this many values of the depth buffer nearer to the eye, in
+   * addition to what is always allowed for (docs/embedding.md). It grows with distance as the depth's own error does.
+   * For drivers and geometry whose depth is less exact than its format. */
   float shadow_bias_steps;
-  /* Radiance that a light adds to a white, matt surface which faces it: where it adds less than this, the light's own mask
-   * is lit without a ray. Directional lights have their rays everywhere. 0 = a ray goes wherever the light reaches.
-   * docs/adr/0039-least-light.md has what it saves. */
+  /* A threshold on the radiance that a light adds to a white matt surface facing it: where it adds less, the light's
+   * own mask is lit without a ray. Directional lights always trace theirs. 0 = rays go wherever the light reaches.
+   * docs/adr/0039-least-light.md says what it saves. */
   float least_light;
-  /* Ambient occlusion rays go where the light of the scene's environment comes from, for pictures that are lit by it; 0 = by
-   * the cosine alone. */
+  /* 1: ambient occlusion rays are distributed by the environment's light, for hosts that light by it; 0: by the cosine
+   * alone. */
   int32_t ao_by_light;
-  /* One more layer behind those of lights in shadow_texture, with ao_rays: the share of the sky's light that nothing opaque
-   * hides and that translucent surfaces let through. */
+  /* With ao_rays: one more layer, behind those of lights in shadow_texture, holds the share of the sky's light that is
+   * not hidden by opaque surfaces and that translucent ones let through. */
   int32_t unhidden_sky;
-  /* For a host that shows masks of an earlier frame: what sideray_shadow_moving() and the like need to find a surface
-   * that has moved since, or that the camera sees elsewhere. One more texture, of 4 bytes a pixel. */
+  /* For hosts that show masks of an earlier frame: uploads the depth by which sideray_shadow_moving() and the like find
+   * a surface after it or the camera has moved. One more texture, of 4 bytes a pixel. */
   int32_t moving;
-  /* For an engine that is being fitted with Sideray: one ray more for every fourth opaque pixel finds whether its depth
-   * lies on a traced surface, which sideray_frame_stats::mask_pixels_astray counts. Many do not where a matrix, a depth
-   * convention or a transform is wrong, or where what is drawn is not in the scene. */
+  /* A check during a retrofit: one more ray for every fourth opaque pixel tests whether its depth lies on a traced
+   * surface. sideray_frame_stats::mask_pixels_astray counts those off all surfaces; it is large if a matrix, a depth
+   * convention or a transform is wrong, or if something is drawn that is not in the scene. */
   int32_t checks_surfaces;
 } sideray_mask_inputs;
 
@@ -239,33 +239,33 @@ typedef struct sideray_frame_inputs {
   size_t size;
   sideray_view view;
   sideray_frame_source source;
-  const sideray_layer_inputs* layers;           /* NULL: none, as the next two and `irradiance`; at least one is given */
+  const sideray_layer_inputs* layers;           /* NULL: no such job; at least one of the four jobs is given */
   const sideray_mask_inputs* masks;
   const sideray_reflection_inputs* reflections;
-  int32_t shadows; /* 0 = no visibility of lights anywhere */
-  /* Deadlines, and masks: the frame follows the last one traced for this view, so that what was traced for it may be taken
-   * over. 0 = the first of a sequence, or behind a cut: nothing is. Another size, other lights, materials or options are
-   * noticed; moved instances are followed; a job that was cancelled or failed is followed by none. */
+  int32_t shadows; /* 0 = lights are visible everywhere: no shadow rays */
+  /* 1: the frame follows the last one traced for this view, and may reuse its masks and, under a budget, its layers and
+   * reflections. 0: the first frame of a sequence or after a cut. Another size, other lights, materials or options
+   * reset the history by themselves; moved instances are followed; a job that was cancelled or failed leaves none. */
   int32_t continues;
   uint32_t seed;
-  /* Milliseconds from submit, > 0, after which no more rays begin: what is there by then is uploaded. Masks and layers
-   * have an eighth of it in any case, from their first ray on. What was traced least recently comes first, then the
-   * middle of the picture and pixels of many surfaces. In frames that continue, CACHE and masks show their history where
-   * nothing was traced, reprojected with camera and instances: no surface shows another's. Where there is none,
-   * fragments keep their raster look, and masks are lit and open. COMPOSITE: the rest is empty; reflections are not
-   * traced. Where layers are wanted too, masks get half of the time that is left, then reflections half of what is left
-   * then. 0 = none. The one input besides budget_ms that makes the bits depend on the machine. */
+  /* Milliseconds from submit, > 0, after which no more rays start; what is traced by then is uploaded. Read until 0.4;
+   * use budget_ms. Masks and layers have an eighth of it in any case, from their first ray on; with layers, masks get
+   * half of the remaining time, then reflections half of what remains. The least recently traced pieces come first,
+   * then the middle of the picture and pixels of many surfaces. In frames that continue, pixels without a turn show
+   * their history, reprojected with camera and instances. Without history fragments keep their raster look, and masks
+   * are lit and open. A COMPOSITE is empty there, and reflections are not traced. 0 = none. The bits depend on the
+   * machine. */
   float deadline_ms;
   sideray_state_policy state_policy; /* of submit, and of what advance and wait do for this frame */
   /* Which of the host's views it is, 0 to SIDERAY_MAX_VIEWS - 1: an eye, a part of the screen, a mirror's picture. Each
    * has outputs, a history (`continues`, `adds_to`) and three places for frames in flight of its own. */
   uint32_t view_id;
   const sideray_diagnostics* diagnostics; /* NULL: none. Of it, exact_points and budget_pieces are read */
-  /* Milliseconds, > 0, within which the frame is finished from when its depth is read back: rays, filters and uploads of
-   * all its jobs. The service predicts the filters and uploads from earlier frames, and stops rays in time for them.
-   * Views submitted together share the budget of the first. Each job traces at least one piece of the picture in each
-   * frame; what has no turn shows history or nothing, as deadline_ms says, reflections too. What waits longest comes
-   * first. 0 = none. Not with deadline_ms, which is read until 0.4. */
+  /* Milliseconds, > 0, from the readback of depth to the last upload, for rays, filters and uploads of all jobs. The
+   * service predicts filters and uploads from earlier frames and stops rays in time for them. Views submitted together
+   * share the budget of the first. Each job traces at least one piece of the picture a frame, the least recently traced
+   * first. Pieces without a turn show their history as under deadline_ms, reflections too. 0 = none. Not with
+   * deadline_ms. The bits depend on the machine. */
   float budget_ms;
   const sideray_irradiance_inputs* irradiance; /* NULL: none */
 } sideray_frame_inputs;
@@ -303,15 +303,15 @@ SIDERAY_API sideray_status sideray_service_wait(sideray_service* service, sidera
 /* Blocks until these jobs of the frame are uploaded (SIDERAY_JOB_*; those that it does not have count as uploaded). */
 SIDERAY_API sideray_status sideray_service_wait_jobs(sideray_service* service, sideray_ticket ticket, uint32_t jobs,
                                                      int32_t timeout_ms, sideray_error* error);
-/* Tells without blocking and without OpenGL which of the frame's jobs are uploaded by now. A job that failed or was
- * cancelled is never among them; wait_jobs says so. */
+/* Returns without blocking and without OpenGL which of the frame's jobs are uploaded. A job that failed or was
+ * cancelled is never among them; wait_jobs returns its status. */
 SIDERAY_API sideray_status sideray_service_finished_jobs(sideray_service* service, sideray_ticket ticket,
                                                          uint32_t* jobs, sideray_error* error);
 SIDERAY_API sideray_status sideray_service_cancel(sideray_service* service, sideray_ticket ticket,
                                                   sideray_error* error);
 
-/* Texture names are the service's; valid until the next submit of the view, advance or wait. Each kind of output is
- * that of the newest frame whose job is finished, so that masks may be of a later frame than layers. */
+/* The service owns the textures; their names are valid until the next submit of the view, advance or wait. Each kind of
+ * output belongs to the newest frame whose job is finished, so masks may be of a later frame than layers. */
 typedef struct sideray_layer_outputs {
   size_t size;
   sideray_ticket ticket;
@@ -322,8 +322,8 @@ typedef struct sideray_layer_outputs {
   uint32_t radiance_texture;   /* CACHE: RGBA16F 2D array, C of dst = C*a + dst*T. COMPOSITE: RGBA16F 2D, premultiplied */
   uint32_t distance_texture;   /* CACHE: R32F 2D array, 0 in layer 0 = no answer. COMPOSITE: RGBA16F 2D, transmittance */
   uint32_t surface_id_texture; /* CACHE: R32UI, or R32F (see float_ids), 2D array. COMPOSITE: 0 */
-  /* Whole pixels, which are those where the transmittance's alpha is 1, not 0: radiance + picture * transmittance is all
-   * that is seen there. RGBA16F 2D; 0 where none were asked for. */
+  /* RGBA16F 2D; 0 = none were requested. A pixel is whole if the transmittance's alpha is 1, not 0; it shows radiance +
+   * picture * transmittance. */
   uint32_t whole_radiance_texture, whole_transmittance_texture;
 } sideray_layer_outputs;
 
@@ -337,15 +337,15 @@ typedef struct sideray_mask_outputs {
   uint32_t shadow_lights;
   int32_t combined_lights;
   uint32_t ao_texture; /* R8 2D, 1 = open; 0 = no mask */
-  int32_t unhidden_sky; /* 1: the last layer of shadow_texture is what sideray_mask_inputs::unhidden_sky asks for */
-  /* What glass and all else that is translucent leaves of a light's colour on its way to the pixel: R8 2D array, 1 = all.
-   * The light that arrives is its mask times these. Three layers, red, green and blue, of each light that is tinted
-   * somewhere in this frame; 0 = none is. */
+  int32_t unhidden_sky; /* 1: the last layer of shadow_texture is that of sideray_mask_inputs::unhidden_sky */
+  /* The share of a light's colour that translucent surfaces let through to the pixel: R8 2D array, 1 = all. The light
+   * that arrives is its mask times this. Three layers, red, green and blue, for each light that is tinted somewhere in
+   * this frame; 0 = none is. */
   uint32_t tint_texture;
   int32_t tint_layers[33]; /* of light i, [32] of the combined ones: the first of its three, counted from 1; 0 = untinted */
-  uint32_t depth_texture;  /* R32F 2D, for the snippet: sideray_mask_inputs::moving; 0 = not asked for */
-  /* R8 2D: which masks of a pixel are traced or reprojected: 255 times the texel is 1 (those of lights) + 2 (that of the
-   * sky). The others are lit and open: draw there what a rasterizer would. 0 = all are, as always without a budget. */
+  uint32_t depth_texture;  /* R32F 2D, for the snippet: sideray_mask_inputs::moving; 0 = not requested */
+  /* R8 2D: which masks of a pixel are traced or reprojected. 255 times the texel is 1 (lights) + 2 (sky). The others
+   * are lit and open: draw what a rasterizer would. 0 = all are traced, as always without a budget. */
   uint32_t answer_texture;
 } sideray_mask_outputs;
 
@@ -378,17 +378,17 @@ SIDERAY_API sideray_status sideray_service_reflections(sideray_service* service,
                                                        sideray_reflection_outputs* outputs, sideray_error* error);
 SIDERAY_API sideray_status sideray_service_irradiance(sideray_service* service, uint32_t view_id,
                                                       sideray_irradiance_outputs* outputs, sideray_error* error);
-/* Where an instance was in the frame whose outputs of a job (one of SIDERAY_JOB_*) are the newest: the matrix for the
- * previous_world_position of sideray_translucent_moving() and sideray_shadow_moving(). As
- * sideray_instance_desc has it, to the precision of single floats about the scene's middle. SIDERAY_NOT_READY: there are no such
- * outputs yet, or the instance is newer than they are. Wind and vertices that move by themselves are not in it. */
+/* Returns the transform that an instance had in the frame of the newest outputs of a job (one of SIDERAY_JOB_*): the
+ * matrix for the previous_world_position of sideray_translucent_moving() and sideray_shadow_moving(). Its layout is
+ * that of sideray_instance_desc, its precision that of single floats about the scene's middle. SIDERAY_NOT_READY: there
+ * are no such outputs yet, or the instance is newer than they are. Wind and changed vertices are not part of it. */
 SIDERAY_API sideray_status sideray_service_placement(sideray_service* service, uint32_t view_id, uint32_t job,
                                                      sideray_instance instance, double world_from_object[12],
                                                      sideray_error* error);
-/* Binds the newest textures of a view to units first_unit .. first_unit + 2 and, for a program that reads them, the
- * shadow masks to first_unit + 3, the ambient occlusion mask to first_unit + 4, whole pixels to first_unit + 5 and
- * + 6, the masks' tints to first_unit + 7, their depth to first_unit + 8 and which of them are answered to first_unit + 9, the irradiance to first_unit + 10, and sets the uniforms of the snippet in `program`, for the newest outputs, or for "no answer" where there are
- * none. It leaves these units changed, and for the rest follows the state_policy of the view's last submitted frame. */
+/* Binds the newest textures of a view and sets the snippet's uniforms in `program`; without outputs the snippet finds
+ * no answers. Units from first_unit on: 0 to 2 layers; and, for a program that reads them, 3 shadow masks, 4 ambient
+ * occlusion, 5 and 6 whole pixels, 7 tints of masks, 8 their depth, 9 which masks are traced, 10 irradiance. These
+ * units stay bound; other state follows the state_policy of the view's last submitted frame. */
 SIDERAY_API sideray_status sideray_service_bind(sideray_service* service, uint32_t view_id, uint32_t program,
                                                 uint32_t first_unit, sideray_error* error);
 
@@ -399,20 +399,19 @@ typedef struct sideray_frame_stats {
   uint64_t rays_primary, rays_reflection, rays_shadow, rays_ao;
   uint64_t pixels_total, pixels_masked;
   uint64_t layers_requested, layers_found, traversals_wasted;
-  uint64_t pixels_late;       /* masked ones that the deadline left without any answer */
+  uint64_t pixels_late;       /* masked pixels that budget or deadline left without an answer */
   uint64_t dropped_particles; /* sprites in view that rays do not hit */
   uint64_t bytes_readback, bytes_upload, bytes_cache;
-  uint64_t points_shaded, points_not_finite; /* by a host's shader; of them, results that were not taken */
+  uint64_t points_shaded, points_not_finite; /* by a host's shader; of these, results that counted as black */
   uint64_t layers_borrowed; /* under ray_reuse: layers that reuse the rays of donors */
   uint64_t layers_refracted; /* CACHE with refraction: layers that hold what is seen through them */
-  /* Of pixels_masked, besides pixels_late: those that the deadline gave up and that show an answer of an earlier frame. The
-   * others are of this frame. */
+  /* Masked pixels that had no turn and show an answer of an earlier frame. Those in neither count were traced in this
+   * frame. */
   uint64_t pixels_older;
-  /* The same of pixels with an opaque surface: those whose masks the deadline left lit and open, and those whose masks are of an
-   * earlier frame. */
+  /* Pixels with an opaque surface whose masks are missing (lit and open), and whose masks are of an earlier frame. */
   uint64_t mask_pixels_late, mask_pixels_older;
-  uint64_t answer_age; /* of the oldest of them all, in frames; those without a change do not count */
-  /* The same of pixels that mirror: those without a reflection, and those whose reflection is of an earlier frame. */
+  uint64_t answer_age; /* age of the oldest answer shown, in frames; frames without a change do not count */
+  /* Mirroring pixels without a reflection, and with one of an earlier frame. */
   uint64_t reflection_pixels_late, reflection_pixels_older;
   uint64_t jobs_starved; /* jobs for whose rays the budget left no time: one piece of each was traced */
   /* Age of the least recently traced piece of the picture, in frames; 0 = all was traced in this one. */
@@ -436,10 +435,10 @@ SIDERAY_API const char* sideray_glsl(int glsl_version);
 /* Whole programs in GLSL 1.20 for hosts that have no shaders of their own; shaders/ready_*.glsl say what their uniforms
  * are. They need `float_ids`. */
 typedef enum sideray_ready_program {
-  SIDERAY_READY_GLASS = 0,  /* what the fixed function lights and textures, by rays where there is an answer */
+  SIDERAY_READY_GLASS = 0,  /* glass as the fixed function lights and textures it, with answers where there are any */
   SIDERAY_READY_SHADOWS = 1, /* multiplies the opaque picture by a light's shadow mask and the occlusion mask */
   /* Glass by a fragment shader alone: the fixed function goes on to transform, light and texture vertices. It has no
-   * vertex shader (NULL); docs/fixed-function.md says how texture coordinates hold places in the world. */
+   * vertex shader (NULL); docs/fixed-function.md says how texture coordinates carry world positions. */
   SIDERAY_READY_GLASS_FRAGMENT = 2
 } sideray_ready_program;
 

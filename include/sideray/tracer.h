@@ -45,8 +45,8 @@ typedef enum sideray_ray_set {
   SIDERAY_RAYS_TRANSLUCENT = 1 /* all translucent surfaces, cull rule and alpha discard as the rasterizer's */
 } sideray_ray_set;
 
-/* A batch of rays and where their hits go. Strides are sizeof(sideray_ray) and sizeof(sideray_hit): what a caller's
- * struct is too old for is read as 0 and not written. */
+/* A batch of rays and where their hits go. Strides are sizeof(sideray_ray) and sizeof(sideray_hit) of the caller:
+ * fields that its structs lack are read as 0 and not written. */
 typedef struct sideray_ray_batch {
   size_t size;
   sideray_ray_set set;
@@ -73,7 +73,8 @@ SIDERAY_API sideray_status sideray_tracer_trace_rays(sideray_tracer* tracer, con
 
 /* ---- Shading by the host ---- */
 
-/* What the host's blending works in: layers are given in it. sRGB and gamma go on above 1 as below. */
+/* The space in which the host blends; layers are converted to it. sRGB and gamma continue above 1 by the same formula.
+ * */
 typedef enum sideray_radiance_space {
   SIDERAY_SPACE_LINEAR = 0,
   SIDERAY_SPACE_SRGB = 1,   /* the transfer function of sRGB */
@@ -95,25 +96,26 @@ typedef struct sideray_shading_point {
   float base_color[4]; /* of the material: factor, texture and vertex colour; A is 1 unless it is BLEND */
   float emissive[3];   /* of the material: factor and texture */
   float distance;      /* along the ray, world units */
-  float footprint;     /* width of a pixel here, across the ray, world units */
+  float footprint;     /* a pixel's width at this point, across the ray, world units */
   float u, v;          /* barycentric weights of the second and third vertex */
   uint32_t primitive;  /* triangle number within the mesh as given */
   sideray_instance instance;
   sideray_material material;
   uint32_t surface_id;
   uint64_t user; /* of the instance */
-  /* Bit i: the scene's light i (of the first 32, if its intensity is not 0) has the point within its range and cone,
-   * and nothing opaque is between them: that is traced for sideray_shader_desc::shadow_lights, from the light's middle.
-   * `tints` says what translucent surfaces leave of it. */
+  /* Bit i: the point lies within range and cone of the scene's light i (of the first 32, with an intensity above 0).
+   * For lights in sideray_shader_desc::shadow_lights a ray to the light's middle has also found nothing opaque in the
+   * way. `tints` has what translucent surfaces let through. */
   uint32_t lights;
   uint32_t bounce;            /* 0: what it reflects is traced; 1: seen in a mirror, or opaque behind bent glass */
   int32_t front, translucent; /* 1: its front face was hit; its material is translucent */
-  /* Red, green and blue of each of the scene's first 32 lights: what glass and all else that is translucent leaves of it on
-   * its way here; valid during the call. NULL: all of it, of every light. */
+  /* Red, green and blue for each of the scene's first 32 lights: the share that translucent surfaces let through to
+   * this point; valid during the call. NULL: all of every light. */
   const float* tints;
 } sideray_shading_point;
 
-/* dst = C*a + dst*T with C = radiance + reflectance * what comes from `reflection`. Each comes in as said here. */
+/* dst = C*a + dst*T, where C = radiance + reflectance * the light from direction `reflection`. The first value in each
+ * comment is what the field holds before the call. */
 typedef struct sideray_shading_result {
   float radiance[3];      /* 0; below 0 reads as 0 */
   float alpha;            /* a, 0..1: the material's */
@@ -127,16 +129,16 @@ typedef struct sideray_shading_result {
 typedef enum sideray_shader_thread {
   SIDERAY_SHADE_ON_WORKERS = 0, /* on tracing threads, several at once */
   /* One at a time, on the thread that is inside sideray_service_advance or _wait, sideray_tracer_trace_rays or
-   * sideray_renderer_render of the tracer that asks. Tracing stands still until one of them is called: advance does
-   * what is waiting then, wait goes on doing it until its time is out. */
+   * sideray_renderer_render. Tracing stops until one of them is called: advance runs the calls that wait by then, wait
+   * runs all until its time is out. */
   SIDERAY_SHADE_IN_CALLS = 1
 } sideray_shader_thread;
 
-/* Reads points[0 .. count - 1] and fills results of the same number, 1..SIDERAY_SHADING_BATCH of them. Both arrays have
- * the strides that sideray_shader_desc says, so that a host indexes them as its own structs, and are valid during the
- * call alone. It returns normally, calls neither OpenGL nor Sideray, and knows nothing but the point: which
- * points come together, in which order and on which thread, is not said. Where that holds, pictures are the same bits
- * for any number of threads. Denormals are zero while it runs. */
+/* Reads points[0 .. count - 1] and fills as many results, 1..SIDERAY_SHADING_BATCH of them. Both arrays have the
+ * strides of sideray_shader_desc, so that a host indexes them as its own structs; they are valid during the call only.
+ * The function returns normally (no exception, no longjmp) and calls neither OpenGL nor Sideray. Batches, their order
+ * and their threads are unspecified: if a result depends on its point alone, pictures have the same bits for any number
+ * of threads. Denormals are zero while it runs. */
 typedef void (*sideray_shade)(void* user, const sideray_shading_point* points, size_t count,
                               sideray_shading_result* results);
 
@@ -146,9 +148,9 @@ typedef struct sideray_shader_desc {
   void* user;
   sideray_shader_thread thread;
   uint32_t shadow_lights; /* bit i: sideray_shading_point::lights is traced for light i; 0 = no shadow rays */
-  /* What `shade` works in. Its numbers are mixed with each other as they are, and handed to the host so; the
-   * environment, where a ray hits nothing else, is multiplied by the scale (> 0) and brought into this space first.
-   * The frame's own radiance_space and radiance_scale are not read. */
+  /* The space of the radiance that `shade` returns. It is mixed and passed on unconverted. The environment, where a ray
+   * hits nothing else, is multiplied by the scale (> 0) and converted to this space. The frame's radiance_space and
+   * radiance_scale are not read. */
   sideray_radiance_space radiance_space;
   float radiance_scale;
   /* sizeof(sideray_shading_point) and sizeof(sideray_shading_result) as the host was compiled with them. */
@@ -169,15 +171,14 @@ static inline sideray_shader_desc sideray_shader_defaults(void) {
   return filled;
 }
 
-/* From the next commit on, `shader` takes the place of the built-in model wherever rays hit surfaces of frames:
- * layers, what they and opaque surfaces reflect, what is behind bent glass; the references and what sideray_renderer
- * draws, in linear radiance, keep the model. NULL: the model. `shade` and `user` stay valid until every tracer, service
- * and renderer of the scene has finished the frames of that commit, or is gone (`release` says when): cancelled and late frames begin no more
- * calls, abandon_context and destroy wait for those under way. A surface that is hit in a mirror reflects the
- * environment alone, and has no shadow rays where it is translucent too. With `refraction`, what surfaces let through
- * is their material's. A result with a number that is not finite counts as black, with its material's a and T
- * (sideray_frame_stats::points_not_finite). `particles` is refused: sprites are no surfaces
- * of its own. */
+/* From the next commit on `shader` replaces the built-in model wherever rays of a service's frames hit surfaces:
+ * layers, what they and opaque surfaces reflect, and what is behind refracting glass. References and sideray_renderer
+ * keep the model. NULL: the model everywhere. `shade` and `user` must stay valid until every tracer, service and
+ * renderer of the scene has finished the frames of that commit, or is gone; `release` is called then. Cancelled and
+ * late frames start no more calls; abandon_context and destroy wait for calls under way. A surface that is seen in a
+ * mirror reflects the environment alone; if it is translucent it has no shadow rays. With `refraction`, transmittance
+ * is the material's. A result that is not finite counts as black, with the material's a and T
+ * (sideray_frame_stats::points_not_finite). `particles` is refused: the host's shader knows no sprites. */
 SIDERAY_API sideray_status sideray_scene_set_shader(sideray_scene* scene, const sideray_shader_desc* shader,
                                                     sideray_error* error);
 

@@ -29,8 +29,8 @@ inline bool has_passed(Deadline deadline) {
 // Counts down the pieces of work that may begin, in place of a clock, for tests.
 using PiecesLeft = std::atomic<int64_t>;
 
-// Says until when pieces of work may begin. What prepares them may take longer than the whole time allowed; were none
-// traced then, no frame would ever have an answer. So they have `least` from their first on.
+// Says until when pieces of work may begin. Preparation alone may exceed the deadline, and then no frame would ever
+// have an answer. So pieces may begin for at least `least`, counted from the first one.
 struct WorkTime {
   Deadline deadline = Deadline::max();
   Deadline::duration least{0};

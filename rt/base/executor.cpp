@@ -146,7 +146,7 @@ struct Executor::Arena : AllowAllCpus, tbb::task_arena {
     try {
       kept.by_threads.emplace(threads, std::move(arena));
     } catch (const std::bad_alloc&) {
-      // Destructors call this: without memory for a place among the others, the arena goes.
+      // Destructors call this, so it must not throw: if the arena cannot be kept, it is freed.
     }
   }
 };

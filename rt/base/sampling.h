@@ -76,8 +76,9 @@ class PointSet {
   }
 
  private:
-  // Returns a point's second coordinate in Sobol's sequence (Kollig and Keller 2002), whose k-th direction, as a
-  // polynomial over bits, is (1 + x)^k: 1 + x is put in place of x, half of the coefficients at a time.
+  // Returns a point's second coordinate in Sobol's sequence (Kollig and Keller 2002). The k-th direction number is the
+  // polynomial (1 + x)^k over bits, so the index, read as a polynomial in x, is evaluated at 1 + x, halving it each
+  // step.
   static uint32_t second(uint32_t index) {
     index ^= (index >> 16) & 0x0000ffffu;
     index ^= (index >> 8) & 0x00ff00ffu;

@@ -67,7 +67,7 @@ class CacheSink final : public LayerSink {
             OlderLayers* older)
       : cache_(cache), snapshot_(snapshot), rough_(rough), whole_(whole), older_(older) {}
   void begin(std::span<const PixelRequest> pixels) override;
-  // Fetches the place of the light ahead.
+  // Prefetches the memory where the layer's light will be stored.
   void expect(uint32_t pixel, uint32_t layer) override;
   bool meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met, glm::vec3& weight) override;
   void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) override;

@@ -197,8 +197,8 @@ size_t LayerFilter::gather(Executor& executor) {
   return total;
 }
 
-// Writes the layer's radiance where index i is the first of its own; returns false elsewhere, and where nothing was
-// filtered. What a surface reflects and what is seen through it are apart.
+// A layer may have two entries: what its surface reflects, and what is seen through it. Writes the layer's radiance if
+// i is its first entry; returns false if it is not, or if nothing was filtered.
 bool LayerFilter::filtered(int32_t i, glm::vec3& radiance) const {
   const LayerColumns& c = columns_;
   const Layer& layer = *layers_[static_cast<size_t>(i)];

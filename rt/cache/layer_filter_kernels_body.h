@@ -120,9 +120,9 @@ SIDERAY_LANE real samples_averaged(real reach_px) {
   return max(real(12.566f) / (1.0f / variance + 1.0f / (reach_px * reach_px)), real(1.0f));
 }
 
-// Where little is averaged, a single direction that is far brighter than what is around would be seen as a spot: it is
-// limited to half of the mean. That takes energy from four times the mean on; nothing is taken where nothing is
-// averaged.
+// Where few layers are averaged, a single direction far brighter than its neighbours would show as a spot, so it is
+// limited relative to the mean. Directions above four times the mean lose energy; without an average nothing is
+// limited.
 void prepare_layers(const LayerColumns& c, int32_t first) {
   for (int32_t at = first; at < first + layers_at_once; at += lane_count) {
     Centre centre = centre_at(c, at);

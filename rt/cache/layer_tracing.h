@@ -32,7 +32,7 @@ class LayerTracing {
   void check(const CacheRequest& request, const LayerCache& cache) const;
   std::vector<uint8_t> choose_chunks(const CacheRequest& request);
   void prepare(const CacheRequest& request, TracedScene& scene, LayerCache& cache);
-  // Where light is bent.
+  // State for pixels whose light is refracted.
   struct Bent {
     FrameContext behind;  // what refracted rays hit
     RefractionContext context;

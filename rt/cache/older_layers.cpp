@@ -406,7 +406,7 @@ void OlderLayers::drop_old(const Passage& passage) {
   });
 }
 
-// A pixel stays whole only where as many surfaces are drawn as it holds.
+// A pixel stays whole only if the mask counts as many surfaces as it holds.
 void OlderLayers::refuse_whole(const Passage& passage) {
   LayerCache& cache = passage.cache;
   passage.executor.run(passage.rows(), [&](size_t row, uint32_t) {

@@ -13,7 +13,7 @@ LayerSet layers_of(const LayerRequest& request) {
   return request.all_translucent ? LayerSet::all_translucent : LayerSet::visible_in_layers;
 }
 
-// A refracted ray leaves the pixel that its surfaces were counted in; particles are not counted.
+// The stencil's count does not bound a ray that is refracted into other pixels, nor one that also hits particles.
 PixelSelection selection_of(const LayerRequest& request) {
   return {.pattern = {}, .requested_bits = 0, .counted = !request.refraction && !request.particles};
 }

@@ -58,7 +58,7 @@ class BlendSink final : public LayerSink {
     for (size_t i = 0; i < pixels.size(); ++i) {
       glm::vec4& color = picture_[size_t{pixels[i].y} * width_ + pixels[i].x];
       const Veil& veil = veils_[i];
-      // By rounding, the refracted picture may subtract more than is there.
+      // Rounding may make the subtracted refracted picture larger than the picture.
       color = {glm::max(veil.radiance + glm::vec3(color) * veil.through, glm::vec3(0.0f)),
                1.0f - veil.see_through + color.w * veil.see_through};
     }

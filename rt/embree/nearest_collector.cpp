@@ -65,7 +65,7 @@ SIDERAY_VECTORS void NearestBlock::finish(const CandidateBlock& planes) {
     u[i] = fu;
     v[i] = std::min(fv, 1.0f - fu);
     front[i] = determinant > 0.0;
-    // Everything farther than the limit was rejected; it may be nearer than Embree said by half the margin.
+    // Hits beyond the limit were rejected by Embree's distance, which may be too large by half the margin.
     const float last = d / distance_of_unit[i] + back[i];
     const bool complete = last + 0.5f * (margin[i] + relative_margin * last) <= limit[i];
     sound[i] = static_cast<int>(determinant != 0.0) & static_cast<int>(pu >= 0.0) & static_cast<int>(pv >= 0.0) &

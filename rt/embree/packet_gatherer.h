@@ -117,7 +117,7 @@ void gather_filter(const RTCFilterFunctionNArguments* arguments) {
     uint32_t& count = query.counts[id];
     if (count < GatherQuery::room) query.named[id][count] = {instance, primitive};
     ++count;
-    // Its triangle is soon read.
+    // Prefetches the triangle, which is read soon.
     __builtin_prefetch(query.table->instances[instance].triangles + primitive);
     return false;
   });

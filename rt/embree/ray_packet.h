@@ -201,7 +201,8 @@ class RayPacket {
       margin[i] = absolute * (reach + magnitude) / size;
       distance_of_unit[i] = 1.0f;
       const float open = margin[i] + relative * near;
-      // Embree takes no negative beginnings, so that the ray is drawn out to where it may name all that lies at the origin.
+      // Embree accepts no negative t_near, so the origin is moved back until hits at the original origin can be
+      // reported.
       const float b = larger(0.0f, open - near);
       back[i] = b;
       origin_[0][i] = ox, origin_[1][i] = oy, origin_[2][i] = oz;

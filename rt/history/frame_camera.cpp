@@ -7,10 +7,10 @@
 namespace sideray::rt {
 namespace {
 
-// Seen at less than this sine, a plane says nothing of the pixel beside.
+// A plane seen at an angle of a smaller sine does not predict the neighbouring pixel.
 constexpr double least_sine = 0.02;
 constexpr double same_pixel = 1.0 / 1024;
-// Of an eye that stands still, beside what rounding makes of its coordinates.
+// How far an eye at rest may move, relative to its coordinates, by their rounding alone.
 constexpr double same_eye = 1e-8;
 
 glm::dvec4 row(const glm::dmat4& m, int i) {

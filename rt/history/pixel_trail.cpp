@@ -46,8 +46,8 @@ bool PixelTrail::was_there(glm::ivec2 at, float depth) const {
   return std::abs(depth_before_[index(at)] - depth) <= same_depth * depth;
 }
 
-// Looks about a place where the nearest pixel showed another surface. A plane's inverse depth is linear in the picture, in
-// perspective, and its depth otherwise, so that the mean of the four around is exact where one surface is seen in all.
+// Searches the four pixels around a position whose nearest pixel showed another surface. On a plane the inverse depth
+// (in orthographic views the depth) is linear in the picture, so interpolating the four is exact if all show one plane.
 uint32_t PixelTrail::search(glm::vec2 at, float depth) const {
   const glm::ivec2 corner(at), last(static_cast<int>(width_) - 1, static_cast<int>(height_) - 1);
   const glm::ivec2 beyond = glm::min(corner + 1, last), chosen = glm::min(glm::ivec2(glm::floor(at + rounding_)), last);

@@ -24,7 +24,7 @@ class PixelTrail {
   // the same size. Throws Failure where the view is none.
   void begin(const TraceView& view, const DepthImage& depth, glm::uvec2 size, glm::dvec3 origin, bool follows,
              Executor& executor);
-  // Returns whether the view is the one before, to a small part of a pixel.
+  // Returns whether the view equals the previous one, to a thousandth of a pixel.
   bool same_view() const { return same_view_; }
   const FrameCamera& camera() const { return *camera_; }
   // Returns the frame's depths along the camera's axis, as fill_depths() does.

@@ -9,7 +9,7 @@ namespace sideray::rt {
 
 class FragmentShader final : public PointShader {
  public:
-  // The caller keeps both objects. `shadows`: rays say what hides lights; `tints`: and what tints them.
+  // The caller keeps both objects. `shadows`: lights are shadowed by rays; `tints`: and tinted by translucent surfaces.
   void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tints);
 
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override { shade_opaque(points, radiance); }

@@ -38,8 +38,7 @@ class LayerSink {
   virtual bool meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met, glm::vec3& weight) = 0;
   // Receives its light, later, as many estimates as the shader makes. `layer` counts the pixel's surfaces from 0.
   virtual void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) = 0;
-  // This is called after add(), with its radiance again and the part of it that depends on a random direction, where
-  // there is one.
+  // Called after add() for rough surfaces: the same radiance, and the part of it that came from a random direction.
   virtual void add_rough(uint32_t /*pixel*/, uint32_t /*layer*/, const SurfacePoint&, glm::vec3 /*radiance*/,
                          const RoughReflection&) {}
   // Called if an added layer is resolved: its light is all that is seen of it and behind it.

@@ -6,7 +6,7 @@
 namespace sideray::rt {
 namespace {
 
-// Surfaces whose depths differ by this share are taken for one; others count this much.
+// Samples within this relative difference of depth belong to the same surface; others get the small weight.
 constexpr float same_depth = 1.0f / 16.0f, share_of_others = 1.0f / 1024.0f;
 
 }  // namespace

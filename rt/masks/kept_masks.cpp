@@ -45,7 +45,7 @@ bool stands_still(Executor& executor, const MaskRequest& r) {
   return still;
 }
 
-// Leaves out what a light's own mask does not show.
+// Clears the fields of a light on which its own mask does not depend, so that they do not reset it.
 model::Light as_masked(model::Light light, float least) {
   light = reaching(light, least);
   light.intensity = glm::vec3(0.0f);

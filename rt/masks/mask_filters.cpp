@@ -141,8 +141,8 @@ std::vector<uint8_t> tint_seen(const OcclusionMasks& masks, uint32_t place) {
   return seen;
 }
 
-// Of a pixel and those around it on the same surface: the third least and the third largest tint, between which the pixel's
-// own is taken to lie.
+// The third smallest and the third largest tint among a pixel and its neighbours on the same surface. The pixel's own
+// tint is clamped to this range.
 struct Usual {
   uint8_t least = 0, largest = 255;
 };

@@ -58,8 +58,8 @@ class TileRays {
 
   // Makes the rays of all points that the light sends something to, block by block.
   void make(const RayLight& to, const RayRandom& random, const TileSamples& samples, const PointTile& tile);
-  // Makes rays_to_the_sky() in directions drawn by what it sends, where it is not black. All weights are 1 after
-  // make().
+  // The same for the sky: directions are drawn by the light that it sends; black parts get none. Weights are 1
+  // afterwards.
   void make(const RayLight& to, const SkyDirections& sky, const RayRandom& random, const TileSamples& samples,
             const PointTile& tile);
   void clear() { count_ = 0, drawn_ = false; }

@@ -81,7 +81,7 @@ std::vector<uint32_t> lights_of(uint32_t mask);
 // How many masks of lights a request asks for: one a bit, lowest first, then the combined one.
 uint32_t light_masks_of(uint32_t lights, bool combined);
 uint32_t light_masks_of(const MaskRequest& request);
-// And how many layers they take with the one of what is not hidden, which is the last.
+// The same with the layer of the unhidden sky, which is the last.
 uint32_t mask_layers_of(const MaskRequest& request);
 
 // Layer-major, as in LayerCache. 255 = lit, open; also where nothing was drawn.
@@ -98,8 +98,8 @@ struct OcclusionMasks {
   std::vector<uint8_t> open;  // ambient; empty unless asked for
   // The same of the pixels that filters read, and along the first of their ambient rays. Empty without filters.
   std::vector<float> filter_distance, open_distance;
-  // How deep each pixel's surface lies, as fill_depths() has it (rt/history/frame_camera.h), and by how much of the buffer's
-  // range 0..1 that may be off. Empty unless asked for (`moving`).
+  // Each pixel's depth along the camera's axis, as fill_depths() computes it (rt/history/frame_camera.h), and the error
+  // of the depth buffer in its range 0..1. Empty unless requested (`moving`).
   std::vector<float> depth;
   float depth_step = 0;
   // Which masks of each pixel are traced, or reprojected from an earlier frame (Answer); the others are lit and open.

@@ -15,10 +15,10 @@ constexpr uint32_t point_purpose = 31, ao_purpose = 33, combined_purpose = 34;
 constexpr uint32_t combined_dimension = 32;
 constexpr uint32_t open_dimension = 64;  // of the first ambient ray
 constexpr uint32_t coarse_rays = 4;      // at least, of a sample that stands for many pixels
-// Along each side of the pixels that draw from the same bounds of the combined lights.
+// Side in pixels of the blocks that share bounds of the combined lights.
 constexpr uint32_t combined_block = 8;
-// Whatever they go to, and be it a point: sixteen rays traced as they come are faster than eight that the traversal
-// takes for coherent, and more than eight cannot be (occlusion_width()).
+// Even toward a point sixteen incoherent rays are faster than eight coherent ones, and coherent packets hold at most
+// eight (occlusion_width()).
 constexpr bool rays_agree = false;
 
 // A filter looks at the 5x5 pixels around each: a quarter of them suffice.

@@ -112,7 +112,7 @@ struct Extent {
       largest = std::max(largest, texels[i]);
     }
   }
-  // A filtered mask lies between.
+  // Filtered masks may hold values between dark and lit, so both bits may be set.
   uint8_t seen() const {
     return static_cast<uint8_t>((least < 255 ? OcclusionMasks::seen_dark : 0) |
                                 (largest > 0 ? OcclusionMasks::seen_lit : 0));

@@ -27,7 +27,7 @@ struct ShadowFilterInput {
   std::span<const uint8_t> mask;  // instead of the visibility: 255 = 1
   // A tile, row by row: OcclusionMasks::Seen of its pixels; 1 all 0, 2 all 1. Empty: unknown.
   std::span<const uint8_t> seen;
-  // A tile, row by row: 0 where its pixels are filtered already, and stay. Empty: none is.
+  // One value a tile, row by row: 0 if its pixels are filtered already and must not change. Empty: no tile is filtered.
   std::span<const uint8_t> unfiltered = {};
 };
 

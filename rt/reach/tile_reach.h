@@ -46,7 +46,7 @@ class TileReach {
  public:
   explicit TileReach(size_t tiles) : masks_(tiles), mirrored_(tiles), sprites_(tiles) {}
 
-  // Chooses the cube by what a depth buffer shows, where it is not chosen yet. Not while rays are followed.
+  // Chooses the extent of the cells from a depth buffer, unless it is chosen already. Not while rays are followed.
   void fit(const TraceView& view, uint32_t width, uint32_t height, const DepthImage& depth);
   // Each returns false if it is certain that no ray of the tile has hit what is in a box: an occluder of lights or sky,
   // something that an opaque surface mirrors, or a sprite. Not while rays are followed.

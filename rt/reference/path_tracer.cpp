@@ -397,7 +397,7 @@ void PathTracer::meet_lights_bent(const Path& path, const SurfacePoint& p) {
   }
 }
 
-// Returns the media of light that leaves a surface by itself, which the eye sees along the way.
+// Returns the media that light travels in when it leaves point p of the eye's ray in this direction.
 MediumStack PathTracer::media_on(const LightWay& way, const SurfacePoint& p, glm::vec3 direction) const {
   return glm::dot(p.geometric_normal, direction) >= 0.0f ? way.media : ways_.behind(p, way.media);
 }

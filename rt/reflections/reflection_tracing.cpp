@@ -75,7 +75,7 @@ void check(const ReflectionRequest& r) {
     fail(SIDERAY_INVALID_ARGUMENT, "reflection_max_roughness {}: give 0 to 1", r.max_roughness);
 }
 
-// As much of a surface as its mirror image depends on.
+// Fills the fields of a surface that its mirror ray needs.
 SurfacePoint surface_of(const ReflectionRequest& r, const ViewRays& view, const DepthPoint& p, glm::vec4 normal) {
   const Ray ray = view.ray(p.x, p.y);
   const Cone cone = view.cone(p.x, p.y);

@@ -19,9 +19,9 @@ struct RefractedPixel {
   glm::vec3 radiance[2];    // as many estimates as the shader makes
   glm::vec3 transmittance;  // transmittance to what stands behind the ray that is not refracted
   glm::vec3 sky;            // transmittance of refracted rays to the surroundings, which radiance holds already
-  // Where rough surfaces scattered the ray, by one random direction each: the roughness (perceptual) of the first, 0 where
-  // there was none; how widely it scatters, as a share of how widely it would mirror; and 1 / length of the way to what is
-  // seen, 0 = the surroundings.
+  // For the filter, if rough surfaces scattered the ray, each in one random direction: the perceptual roughness of the
+  // first one (0: none was rough); the width of its transmitted lobe relative to its mirror lobe; and 1 / length of the
+  // path to what is seen (0: the environment).
   float roughness, spread, nearness;
 };
 

@@ -20,7 +20,7 @@ float step_before(const Hit& hit) {
   return static_cast<float>(hit.distance * (1.0 - step_back));
 }
 
-// Returns the way through the skin of a surface along the ray that arrived there.
+// Returns the length of the offset layer around a surface, measured along the ray that arrived there.
 float skin_along_ray(const SurfacePoint& point) {
   return skin_offsets * point.offset / std::max(glm::dot(point.geometric_normal, point.to_eye), least_elevation);
 }
@@ -59,7 +59,7 @@ void SurfacesAhead::begin_at_last(Ray& ray) {
 }
 
 bool SurfacesAhead::knows_place(const SurfacePoint& first) const {
-  // Those that a new ray begins with are all that are there.
+  // A new ray begins with all surfaces at its origin.
   return last.instance == no_instance || count == most || same_place(first, hits[0].distance) <= known;
 }
 

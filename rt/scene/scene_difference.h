@@ -17,13 +17,13 @@ bool are_equal(const model::Snapshot& a, const model::Snapshot& b);
 // However the sprite is turned.
 model::Bounds bounds_of(const model::Sprite& sprite);
 
-// Something that two snapshots show differently, and where all of it is in either.
+// Something that differs between two snapshots, with bounds that hold it in both.
 struct Mover {
   enum class Kind { surface, sprites, light } kind;
   size_t index;          // of the instance, system or light
   model::Bounds bounds;  // of a light: all that it can light
 };
-// Returns what has moved, sways or looks otherwise; nothing where that may be everything.
+// Returns what has moved, sways or looks different; nullopt if that may be everything.
 std::optional<std::vector<Mover>> find_movers(const model::Snapshot& a, const model::Snapshot& b);
 
 }  // namespace sideray::rt

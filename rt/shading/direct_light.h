@@ -14,7 +14,7 @@ namespace sideray::rt {
 
 class DirectLight {
  public:
-  // Sets what the points are lit in. The caller keeps both. `tints`: what is translucent on the way of light counts.
+  // Sets the scene that lights the points; the caller keeps both objects. `tints`: translucent surfaces tint the light.
   void begin(const ShadingScene& scene, const Intersector& intersector, bool tints = true) {
     straight_.begin(scene, intersector);
     tints_ = tints && straight_.is_tinted();

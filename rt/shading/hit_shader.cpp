@@ -149,7 +149,8 @@ void HitShader::add_lights(SurfaceBatch& batch, glm::vec3* radiance, RayAnswers 
 
 // The same where faint lights are drawn by chance.
 void HitShader::add_drawn_lights(SurfaceBatch& batch, glm::vec3* radiance, RayAnswers answers) {
-  // Shares of `error_`, which is what donors may differ by: no ray that is left to chance brings as much.
+  // Fractions of `error_`, the largest allowed spread among donors. Lights that add more than `most` get a ray for
+  // sure.
   constexpr float least = 0.25f, most = 0.5f;
   const LightOdds odds{least * error_, most * error_};
   light_.clear();

@@ -177,7 +177,7 @@ void MirrorRays::see_surroundings() {
   for (size_t i = 0; i < missed_.size(); ++i) radiance_[missed_[i]] = met_radiance_[i];
 }
 
-// Writes to met_radiance_ what the lobes of missed_ see where nothing stands around.
+// Writes the environment that the lobes of missed_ see to met_radiance_.
 void MirrorRays::look_up_surroundings() {
   places_.clear();
   const bool black = scene_->snapshot->environment->black;
@@ -208,7 +208,7 @@ void MirrorRays::trace_in_front(bool coherent) {
   blend_in_front();
 }
 
-// Traces rays again that hit as many surfaces as one traversal holds, for more: they are few.
+// Traces again, with room for more surfaces, the few rays that hit as many as one traversal holds.
 void MirrorRays::trace_deep(bool coherent) {
   deep_rays_.clear();
   deep_rank_.assign(rays_.size(), not_deep);

@@ -35,7 +35,7 @@ struct ShaderWork {
   uint64_t rays_reflection = 0, rays_shadow = 0;
   // These count points that a host's shader was called for, and its results that were not finite.
   uint64_t points_asked = 0, points_not_finite = 0;
-  // Other than complete: the host's shader is not asked any longer, and what was given since is void.
+  // Other than complete: the host's shader is not called any more, and results after that are invalid.
   TraceEnd end = TraceEnd::complete;
 };
 

@@ -14,8 +14,8 @@ namespace {
 
 // One donor alone cannot disagree.
 constexpr uint32_t least_donors = 2;
-// A donor's shadows are reused only where the lights offer about what they offer the receiver: otherwise another light
-// may be the brightest there.
+// A donor's shadows are reused only if its unshadowed light is within this factor of the receiver's: otherwise another
+// lamp may be the brightest one there.
 constexpr float most_offered_apart = 2.0f;
 
 struct Way {

@@ -71,7 +71,7 @@ class StraightLight {
   std::vector<uint8_t> near_;
   RaySurfaces found_;
   std::vector<StraightSurface> met_;  // those of found_
-  // Those of met_ that are not plain.
+  // The surfaces of met_ whose tint depends on the place: on textures or vertex colours.
   struct Textured {
     std::vector<HitPlace> places;
     std::vector<uint32_t> met;

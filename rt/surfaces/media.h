@@ -113,13 +113,13 @@ struct Crossing {
   bool disperses;     // light of all channels is bent apart
 };
 
-// Takes `media` across the surface hit. Solids are entered at their fronts and left at their backs; any other surface
-// is entered where first hit and left where hit next, so that a single quad is entered for good. `from_eye`: nothing
-// has been crossed yet, so that the first surface may be the back of a solid that the eye is in.
+// Updates `media` for a ray that crosses the surface hit. A solid is entered at front faces and left at back faces. A
+// mesh that is not closed is entered at the first hit and left at the second, so a single quad is never left.
+// `from_eye`: nothing has been crossed yet, so the first hit may be the back of a solid around the eye.
 Crossing cross(const RefractionScene& scene, const Hit& hit, bool from_eye, MediumStack& media,
                Light light = Light::all);
 
-// Returns the share `edge` of what a surface reflects between two media: times Fresnel's term there, StraightSurface.
+// Returns StraightSurface::edge: times Fresnel's term, it is what the surface reflects between two media.
 glm::vec3 edge_of(const shading::SrSurface& surface);
 // Returns the tint that is left of light that is not reflected.
 glm::vec3 inner_of(const shading::SrSurface& surface);

@@ -97,7 +97,7 @@ struct ShadeKernels {
   void (*add_light)(const SurfaceBlock& block, const LightTerms& light, BlockRow (&radiance)[3], BlockRow (&shine)[3]);
   // Fills all of `result` but specular and coat.
   void (*look_around)(const SurfaceBlock& block, TexelView irradiance, AroundBlock& result);
-  // Lets the surroundings be seen by shares of the sky alone, where `shares` says how much of it each hit sees.
+  // Darkens the environment's light in `result` by the share of the sky that each hit sees.
   void (*hide_sky)(const SurfaceBlock& block, TexelView irradiance, const SkyShares& shares, AroundBlock& result);
   // Writes the rays of the hits that gain, at `first` and behind it, and returns how many there are. Their ends are
   // `share` of the way to the light; hit 0 is `point`.

@@ -13,7 +13,7 @@
 namespace sideray::rt {
 namespace {
 
-// The blocks' rows are the points' numbers, in the same order.
+// A block's rows are the floats of SurfacePoint, in the same order.
 using shading::SrSurface;
 static_assert(sizeof(SrSurface) == SurfaceBlock::surface_rows * sizeof(float));
 static_assert(offsetof(SurfacePoint, surface) == 0);

@@ -76,7 +76,7 @@ class SurfaceBatch {
   // The same with the surfaces of hits.
   void load(std::span<const HitPlace> hits);
 
-  // Subtracts shares of the sky's light from the points: `shares` are those of each block.
+  // Darkens the sky's light at the points by its visible shares: one `shares` a block.
   void hide_sky(std::span<const SkyShares> shares);
 
   // Lets the mirror directions show the prefiltered environment.

@@ -20,7 +20,7 @@ struct EnvironmentPlace {
   float roughness;
 };
 
-// Samples it there. SurfaceBatch does the same for many places.
+// Samples the prefiltered environment at `place`. SurfaceBatch does the same for many places.
 glm::vec3 environment_specular_at(const model::Environment& environment, const EnvironmentPlace& place);
 
 // Samples the table, bilinear and clamped, at (n.v, roughness), both 0..1.

@@ -47,7 +47,7 @@ uint32_t cell_of(glm::vec3 d, uint32_t across) {
   return (face * across + cell_along(turned.z * scale, across)) * across + cell_along(turned.y * scale, across);
 }
 
-// Returns where a cell begins along a face's side, or what lies `within` cells further.
+// Returns the coordinate, -1..1 along a face's side, of cell i's start plus `within` cells.
 float along_side(uint32_t i, float within, uint32_t across) {
   return (static_cast<float>(i) + within) * (2.0f / static_cast<float>(across)) - 1.0f;
 }

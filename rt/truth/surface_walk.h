@@ -41,7 +41,7 @@ class SurfaceWalk {
   // found before.
   static constexpr double back_step = 1e-6;
 
-  // A ray that further rounds are needed for.
+  // A ray that needs further rounds.
   struct OpenRay {
     uint32_t index;
     Ray ray;

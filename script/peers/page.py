@@ -1,4 +1,4 @@
-"""Writes the page of script/scoreboard from its results: Markdown, HTML and pictures."""
+"""Writes the page of script/scoreboard from its results: Markdown, HTML, which has a table of each scene, and pictures."""
 import html
 import json
 import math
@@ -89,35 +89,38 @@ def panes_table(panes):
     return table(["program", "right", "another order", "a layer lost", "other colours"], rows)
 
 
-def truth_lines(data):
-    for name, scene in data["scenes"].items():
-        apart = ", ".join(f"{pair} {value:.4f}" for pair, value in scene["apart"].items())
-        own = f"; of Sideray's paths to the truth {scene['own_to_truth']:.4f}" if scene["own_to_truth"] is not None else ""
-        yield (f"- `{name}`: {scene['what']}. Truth: {scene['truth'].replace(':', ' with ').replace(',', ' and ')} samples"
-               + (f"; FLIP of {apart}{own}." if apart else "."))
+def truths_table(data):
+    """What each scene is, what made its truth, and how far path tracers are apart."""
+    pairs = list(dict.fromkeys(pair for scene in data["scenes"].values() for pair in scene["apart"]))
+    rows = [[f"`{name}`", scene["what"], scene["truth"].replace(":", " ").replace(",", ", "),
+             *(number(scene["apart"].get(pair)) for pair in pairs), number(scene["own_to_truth"])]
+            for name, scene in data["scenes"].items()]
+    return table(["scene", "", "truth, samples", *(f"FLIP of {pair}" for pair in pairs), "Sideray to the truth"], rows)
 
 
 def versions(data, programs):
-    """A line a family: what was measured, what installs it, what it cannot draw."""
+    """A line a family: what was measured, what it cannot draw."""
     seen = {r["family"]: r for s in data["scenes"].values() for r in measured(s)}
     for family in dict.fromkeys(p.family for p in programs):
         of = [p for p in programs if p.family == family]
         version = f"{seen[family]['version']}" if family in seen else "not measured"
         lacks = next((p.lacks for p in of if p.lacks), "")
-        yield [family, version, f"`{of[0].install}`", lacks or "nothing of these scenes"]
+        yield [family, version, lacks or "nothing of these scenes"]
 
 
-def markdown(data, programs, cores, machine):
+def markdown(data, programs, cores, machine, with_scene_tables):
     parts = [f"{machine}; pictures of {next(iter(data['scenes'].values()))['size']}.\n",
-             "## All scenes\n", summary_table(data, cores), "## Scenes and truths\n", "\n".join(truth_lines(data)) + "\n"]
+             "## All scenes\n", "A row's time is the geometric mean over the scenes that the program drew.\n", summary_table(data, cores),
+             "## Scenes and truths\n", truths_table(data)]
     for name, scene in data["scenes"].items():
-        parts += [f"## {name}\n", f"![{name} as each program draws it](images/scoreboard-{name}.jpg)\n", scene_table(scene, cores)]
+        parts += [f"## {name}\n", f"![{name} as each program draws it](images/scoreboard-{name}.jpg)\n"]
+        parts += [scene_table(scene, cores)] if with_scene_tables else []
     if data["panes"]:
         stacks = next(p["stacks"] for p in data["panes"] if "stacks" in p)
         parts += ["## Stacks of panes\n", f"{stacks} stacks of four unlit panes, half transparent; in half of them each pane is an object, in "
-                  "the others all four are one primitive. Right are those whose middle has the colour that the order of the panes gives, blended "
-                  "as light or as display values; the others are told apart by the colours that fewer layers or other orders give.\n", panes_table(data["panes"])]
-    parts += ["## Programs\n", table(["program", "version", "installed by", "cannot draw"], versions(data, programs))]
+                  "the others all four are one primitive. A stack is right if its middle has the colour that the order of the panes gives, blended "
+                  "as light or as display values.\n", panes_table(data["panes"])]
+    parts += ["## Programs\n", table(["program", "version", "cannot draw"], versions(data, programs))]
     return "\n".join(parts)
 
 
@@ -213,6 +216,7 @@ def write_pages(root, folder, settings, programs, machine, cores):
         sheet(folder / name, scene, cores, docs / "images" / f"scoreboard-{name}.jpg")
     page = docs / "scoreboard.md"
     before, rest = page.read_text().split(BEGIN)
-    text = before + BEGIN + "\n" + markdown(data, programs, cores, machine) + "\n" + END + rest.split(END)[1]
-    page.write_text(text)
-    (docs / "scoreboard.html").write_text(html_page(text, "\n".join(chart.draw_each(panels(data, cores), note))))
+    short, long = (before + BEGIN + "\n" + markdown(data, programs, cores, machine, tables) + "\n" + END + rest.split(END)[1]
+                   for tables in (False, True))
+    page.write_text(short)
+    (docs / "scoreboard.html").write_text(html_page(long, "\n".join(chart.draw_each(panels(data, cores), note))))

@@ -1,8 +1,10 @@
 // Sideray's snippet: what a host's shaders include. See docs/embedding.md.
-// Define before it: SIDERAY_MAX_LAYERS (1..8) where fewer than 8 layers are ever used; SIDERAY_DEBUG to see in colours
-// which fragments have no answer, and why; SIDERAY_MULTISAMPLED where the target has several samples a pixel, and the
-// frame's source has one (of a source with several the service knows). GLSL 1.30 or later, ES 3.00 or
-// later; 1.20 with EXT_texture_array, where surface ids are floats below 2^24 (sideray_layer_inputs::float_ids).
+// It needs GLSL 1.30 or ES 3.00, or 1.20 with EXT_texture_array; in 1.20 surface ids are floats below 2^24
+// (sideray_layer_inputs::float_ids). Define before it, where needed:
+//   SIDERAY_MAX_LAYERS    1..8, if fewer than 8 layers are ever used
+//   SIDERAY_DEBUG         fragments without an answer show a colour that says why
+//   SIDERAY_MULTISAMPLED  glass is drawn multisampled, but the frame's source is resolved. (If the source is
+//                         multisampled too, the service tells the snippet.)
 #ifndef SIDERAY_GLSL
 #define SIDERAY_GLSL 1
 #ifndef SIDERAY_MAX_LAYERS
@@ -72,30 +74,30 @@ bool sideray_has_samples() {
 #endif
 }
 
-// A fragment of a target with several samples may lie beside its triangle: one that covers any sample is shaded at the
-// pixel's middle, on the triangle's plane, by up to half a pixel along x and along y too far. There the surface goes on as
-// the next triangle, whose distance is off by the difference of both slopes. Where neither is tilted by more than 45
-// degrees against the other as seen from the eye, that is bounded by the fragment's own slope and a pixel's breadth.
+// In a multisampled target a fragment is shaded at the pixel's middle, even if its triangle covers other samples only.
+// Its position then lies on the triangle's plane, up to half a pixel outside the triangle, where rays hit the
+// neighbouring triangle. The two distances differ by the difference of both slopes. If the triangles are tilted by at
+// most 45 degrees against each other, that is less than the fragment's own slope plus a pixel's breadth.
 float sideray_beside(float slope, float breadth) { return sideray_has_samples() ? slope + breadth : 0.0; }
 
-// Bounds by how much rasterization and rays disagree in the distance d of this fragment: its slope over what vertices
-// are moved by, and rounding. Needs derivatives of world_position. Surfaces twice this apart are never taken for each
-// other; a looser bound would let the inner wall of a thin glass take the outer wall's layer.
-// `beside`: what the surface's distance changes by from this pixel to the one beside, and the pixel's breadth there.
+// Returns how far the rasterizer's distance d of this fragment may be from the ray's: the slope times how far vertices
+// snap, plus rounding. Surfaces twice this apart are never confused; a looser bound would let the inner wall of a thin
+// glass take the outer wall's layer. Needs derivatives of world_position.
+// `beside`: by how much the distance changes to the neighbouring pixel, and the pixel's breadth at the surface.
 float sideray_tolerance(vec3 world_position, float d, out vec2 beside) {
   float coordinates = max(sideray_largest(world_position), sideray_largest(sideray_eye.xyz));
   float slope, breadth;
   float moved = sideray_subpixel;
   if (sideray_eye.w > 0.5) {
-    // For a plane seen in perspective, 1 / depth and position / depth are linear in the picture: their differences are
-    // exact where those of the distance, at a glancing angle, are not.
+    // On a plane in perspective 1 / depth and position / depth are linear in the picture, so their derivatives are
+    // exact. Those of the distance are not, at glancing angles.
     vec3 from_eye = world_position - sideray_eye.xyz;
     float inverse_depth = 1.0 / dot(from_eye, sideray_near_plane.xyz);
     vec3 ray = from_eye * inverse_depth;
     float square = dot(ray, ray);
     slope = d * (abs(dot(ray, dFdx(ray)) / square - dFdx(inverse_depth) / inverse_depth) +
                  abs(dot(ray, dFdy(ray)) / square - dFdy(inverse_depth) / inverse_depth));
-    // Positions measured from far away (in world space, say) are rounded sideways too.
+    // Positions far from their origin (in world space, say) are also rounded across the ray.
     moved += max(coordinates - 4.0 * d, 0.0) * 2.384e-7 * inverse_depth / length(dFdx(ray));
     breadth = length(dFdx(ray)) / abs(inverse_depth);
   } else {
@@ -106,28 +108,29 @@ float sideray_tolerance(vec3 world_position, float d, out vec2 beside) {
   return slope * moved + sideray_rounding(world_position, d) + sideray_beside(slope, breadth);
 }
 
-// Under a deadline, layers of earlier frames that have been moved along with what they are of. Their distance is that of
-// their plane in the middle of this pixel; off the plane, an eighth of what lies between pixels is granted to curved
-// surfaces, as for a neighbour's layer at a reduced rate.
-uniform int sideray_older;  // whether there are such layers
+// Under a budget the cache may hold reprojected layers of earlier frames. Their distance is that of the surface's
+// tangent plane in the middle of this pixel. For curved surfaces an eighth of a pixel's breadth is added to the
+// tolerance, as for a neighbour's layer at a reduced rate.
+uniform int sideray_older;  // whether there are reprojected layers
 
 bool sideray_is_older(ivec2 pixel, int layer) {
   return sideray_older != 0 && SIDERAY_FETCH(sideray_radiance, pixel, layer, sideray_cache_size).a < 0.75;
 }
 
-// A surface that bends light is resolved: its layer holds all that is seen there, what light hits behind it too. Its
-// distance is stored as a negative number. It is the last layer of its pixel: what lies behind it is hidden.
-uniform int sideray_refracts;  // whether there are such layers
+// A surface that refracts is resolved: its layer holds everything that is seen through it. It is the last layer of its
+// pixel and hides what lies behind. Its distance is stored as a negative number.
+uniform int sideray_refracts;  // whether there are resolved layers
 
 #define SIDERAY_HIDDEN_LAYER (-2)
 
-// Index of the layer at `pixel` of the cache that is the surface at distance d there, or -1; SIDERAY_HIDDEN_LAYER for
-// what lies behind a resolved one. SIDERAY_MATCH_DISTANCE goes by its own threshold (Ray Tracing Gems II, listing 50-2);
-// the others take the nearest that is within `tolerance`, and SIDERAY_MATCH_ID only of this surface id; of an older layer
-// within `older_tolerance`. An older layer hides nothing: what lies behind may have come out beside it.
+// Returns the index of the layer at `pixel` of the cache that holds the surface at distance d, or -1. Behind a resolved
+// layer it returns SIDERAY_HIDDEN_LAYER. SIDERAY_MATCH_DISTANCE uses its own threshold (Ray Tracing Gems II, listing
+// 50-2). The others take the nearest layer within `tolerance`, or within `older_tolerance` if it is reprojected;
+// SIDERAY_MATCH_ID takes layers of this surface id only. A reprojected layer hides nothing, since what was behind it
+// may be visible now.
 int sideray_find_within(ivec2 pixel, float d, float tolerance, float older_tolerance, SIDERAY_UINT surface_id) {
   float best = sideray_match == SIDERAY_MATCH_DISTANCE ? sideray_match_threshold * d : tolerance;
-  // Nothing is hidden that might be the resolved surface itself. With several samples the tolerance is wide enough for it.
+  // The resolved surface must not hide itself. In multisampled targets the tolerance is wide enough for that.
   float hidden_behind = (sideray_has_samples() ? 1.0 : 4.0) * best;
   float best_older = sideray_match == SIDERAY_MATCH_ID ? older_tolerance : best;
   int found = -1;
@@ -185,8 +188,7 @@ SiderayFragment sideray_fragment(vec3 world_position, SIDERAY_UINT surface_id) {
 
 bool sideray_is_even(int i) { return mod(float(i), 2.0) < 0.5; }
 
-// Whether a pixel of the cache holds its own layers: one of the pattern, or one that the second wave found something
-// at.
+// Whether a pixel of the cache was traced: it belongs to the pattern, or the second wave found something there.
 bool sideray_is_traced(ivec2 pixel) {
   if (sideray_rate == 0) return true;
   bool even_x = sideray_is_even(pixel.x), even_y = sideray_is_even(pixel.y);
@@ -194,8 +196,9 @@ bool sideray_is_traced(ivec2 pixel) {
   return of_pattern || SIDERAY_FETCH(sideray_distance, pixel, 0, sideray_cache_size).x != 0.0;
 }
 
-// Pixels of the pattern next to one that is not of it lie in pairs on either side of it, this far: pair 0, 1, 2.
-// Zero: there are no more pairs. At full rate, where outlines in several samples ask, pairs 2 and 3 are the diagonals.
+// The traced neighbours of a pixel that was not traced lie in pairs on opposite sides of it. Returns the offset of pair
+// 0, 1 or 2; zero if there are no more. At full rate, for outlines in multisampled targets, pairs 2 and 3 are the
+// diagonals.
 ivec2 sideray_pair(ivec2 pixel, int pair) {
   if (pair > 1 && sideray_rate == 0) return pair == 2 ? ivec2(1, 1) : ivec2(-1, 1);
   if (sideray_rate <= 1) return pair == 0 ? ivec2(1, 0) : pair == 1 ? ivec2(0, 1) : ivec2(0);
@@ -210,12 +213,12 @@ bool sideray_is_within(ivec2 pixel, vec2 size) {
   return all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(vec2(pixel), size));
 }
 
-// Where the view ray of `pixel` hits the fragment's plane: x = distance, not above 0 where it does not; y = how far
-// off it a layer may lie that is the same surface. A plane, because at glancing angles the distance of a surface
-// changes by more from pixel to pixel than surfaces lie apart. Off the plane, measured along its normal, by what
-// rounding makes, and by an eighth of what lies between the pixels' rays there: a surface hit at angle i that turns by
-// up to cos(i) / 4 between two pixels, a small part of what it has left before it turns away from the eye, departs from
-// its tangent plane by half of that turn times the 1 / cos(i) that its pixels are apart.
+// Intersects the view ray of `pixel` with the fragment's plane. x = the distance, at most 0 where they do not meet; y =
+// how far from it a layer of the same surface may lie. Distances of pixels are not compared directly: at glancing
+// angles they change by more from pixel to pixel than surfaces lie apart. Along the plane's normal y allows rounding,
+// and an eighth of the distance between the two pixels' rays for curvature. A surface that is seen at angle i and turns
+// by cos(i) / 4 from pixel to pixel leaves its tangent plane by half that turn times the 1 / cos(i) between its two
+// points.
 vec2 sideray_meet_plane(SiderayFragment f, ivec2 pixel) {
   vec3 along = sideray_ray_from_pixel * vec3(pixel, 1.0);
   bool perspective = sideray_eye.w > 0.5;
@@ -231,18 +234,18 @@ vec2 sideray_meet_plane(SiderayFragment f, ivec2 pixel) {
 int sideray_donor(SiderayFragment f, ivec2 pixel) {
   if (!sideray_is_within(pixel, sideray_cache_size)) return -1;
   vec2 met = sideray_meet_plane(f, pixel);
-  // Beside its triangle, at an outline, the plane says little of where the surface is in the pixel beside.
+  // A fragment outside its triangle has a plane that says little about the neighbouring pixel.
   if (sideray_has_samples()) met = vec2(met.x > 0.0 ? met.x : f.distance, max(met.y, 0.0) + 2.0 * f.tolerance);
   return met.x > 0.0 ? sideray_find_layer_at(pixel, met.x, met.y, f.surface_id) : -1;
 }
 
-// What the cache says of a fragment.
-#define SIDERAY_NOTHING 0    // no answer: the fragment looks as it looks without rays
+// What the cache holds for a fragment.
+#define SIDERAY_NOTHING 0    // no answer: keep the raster look
 #define SIDERAY_ANSWER 1     // the radiance is C of dst = C*a + dst*T
-#define SIDERAY_REFRACTED 2  // the radiance is all that is seen there, through the surface too: dst = C
-#define SIDERAY_HIDDEN 3     // the fragment lies behind such a surface, and is not seen: discard it
+#define SIDERAY_REFRACTED 2  // the radiance includes what is seen through the surface: dst = C
+#define SIDERAY_HIDDEN 3     // the fragment lies behind a resolved surface: discard it
 
-// What a layer of a pixel is to a fragment that it was found for.
+// Reads the layer that was found for a fragment, and says what it is.
 int sideray_answer(ivec2 pixel, int layer, out vec3 radiance) {
   radiance = vec3(0.0);
   if (layer == SIDERAY_HIDDEN_LAYER) return SIDERAY_HIDDEN;
@@ -252,8 +255,8 @@ int sideray_answer(ivec2 pixel, int layer, out vec3 radiance) {
   return resolved ? SIDERAY_REFRACTED : SIDERAY_ANSWER;
 }
 
-// The mean of what the neighbours have. Where both pixels of a pair have it, pairs alone count: their mean has no error
-// of the first order. Neighbours that do not have it may hide it, all of them.
+// Averages the layers of neighbours. If both pixels of a pair have one, only pairs count: their mean has no first-order
+// error. The fragment is hidden if all neighbours hide it.
 int sideray_from_donors(SiderayFragment f, out vec3 radiance) {
   vec3 of_pairs = vec3(0.0), of_singles = vec3(0.0);
   float pairs = 0.0, singles = 0.0;
@@ -281,12 +284,12 @@ int sideray_from_donors(SiderayFragment f, out vec3 radiance) {
   }
   radiance = pairs > 0.0 ? of_pairs / pairs : of_singles / max(singles, 1.0);
   if (pairs + singles > 0.0) return answer;
-  // At an outline one that hides it is enough: beside it there is nothing.
+  // At an outline one hiding neighbour is enough: the others see past the glass.
   bool outline = sideray_has_samples() && f.surface_id != SIDERAY_NO_SURFACE;
   return hiding > 0 && (hiding == asked || outline) ? SIDERAY_HIDDEN : SIDERAY_NOTHING;
 }
 
-// Index of the layer of this fragment at its own pixel, or -1; -1 too at a pixel that was not traced.
+// Returns the index of this fragment's layer at its own pixel; -1 if there is none or the pixel was not traced.
 int sideray_find_layer(vec3 world_position, SIDERAY_UINT surface_id) {
   if (surface_id == SIDERAY_NO_SURFACE || sideray_layers == 0) return -1;
   SiderayFragment f = sideray_fragment(world_position, surface_id);
@@ -295,8 +298,8 @@ int sideray_find_layer(vec3 world_position, SIDERAY_UINT surface_id) {
   return layer > -1 ? layer : -1;
 }
 
-// What the cache says of this fragment: SIDERAY_NOTHING, _ANSWER, _REFRACTED or _HIDDEN. Something that is not traced, of
-// surface id 0, may be hidden. Call it where control flow is uniform.
+// Returns what the cache holds for this fragment: SIDERAY_NOTHING, _ANSWER, _REFRACTED or _HIDDEN. Draws that are not
+// traced pass surface id 0 and may be _HIDDEN. Call it in uniform control flow.
 int sideray_look_up(vec3 world_position, SIDERAY_UINT surface_id, out vec3 radiance) {
   radiance = vec3(0.0);
   bool is_traced = surface_id != SIDERAY_NO_SURFACE;
@@ -305,14 +308,14 @@ int sideray_look_up(vec3 world_position, SIDERAY_UINT surface_id, out vec3 radia
   int answer = SIDERAY_NOTHING;
   if (sideray_is_traced(f.pixel))
     answer = sideray_answer(f.pixel, sideray_find_within(f.pixel, f.distance, f.tolerance, f.older_tolerance, surface_id), radiance);
-  // At an outline the ray through the pixel's middle may miss what covers other samples: its neighbours know it.
+  // At an outline the ray through the pixel's middle may miss a surface that covers other samples; neighbours hit it.
   if (answer == SIDERAY_NOTHING && (sideray_has_samples() || !sideray_is_traced(f.pixel)))
     answer = sideray_from_donors(f, radiance);
   return is_traced || answer == SIDERAY_HIDDEN ? answer : SIDERAY_NOTHING;
 }
 
-// Whether the cache has an answer for this fragment: C of dst = C*a + dst*T. For caches without refraction. Call it where
-// control flow is uniform.
+// Whether the cache has an answer for this fragment: C of dst = C*a + dst*T. For caches without refraction. Call it in
+// uniform control flow.
 bool sideray_find(vec3 world_position, SIDERAY_UINT surface_id, out vec3 radiance) {
   radiance = vec3(0.0);
   if (surface_id == SIDERAY_NO_SURFACE) return false;
@@ -320,9 +323,9 @@ bool sideray_find(vec3 world_position, SIDERAY_UINT surface_id, out vec3 radianc
   return answer == SIDERAY_ANSWER || answer == SIDERAY_REFRACTED;
 }
 
-// Whether a second wave of rays may find an answer that the cache lacks: the fragment's pixel was not traced, none of
-// its neighbours is a donor, and some neighbour has room for the fragment in front of its last layer or behind it.
-// Where none has, the fragment lies beyond the layers of the cache at any rate.
+// Whether a second wave of rays should trace this fragment's pixel: it was not traced, no neighbour has a layer of the
+// surface, and some neighbour could have held one, because it has unused layers or its last layer lies farther away.
+// Otherwise the fragment lies behind the last layer that a cache of this size would hold.
 bool sideray_asks(vec3 world_position, SIDERAY_UINT surface_id) {
   if (surface_id == SIDERAY_NO_SURFACE || sideray_layers == 0 || sideray_rate == 0) return false;
   SiderayFragment f = sideray_fragment(world_position, surface_id);
@@ -346,12 +349,12 @@ bool sideray_asks(vec3 world_position, SIDERAY_UINT surface_id) {
 // Why a fragment has its answer or none.
 #define SIDERAY_MATCHED 0          // it has one
 #define SIDERAY_NOT_ASKED 1        // surface id 0, or no layers are bound yet
-#define SIDERAY_BEYOND 2           // it lies behind the pixel's last layer, all of which are used: max_layers is smaller
-#define SIDERAY_NOT_TRACED 3       // the pixel holds nothing: not in the mask, too late, or rays found no surface there
+#define SIDERAY_BEYOND 2           // it lies behind the pixel's last layer, and all layers are used: raise max_layers
+#define SIDERAY_NOT_TRACED 3       // the pixel is not in the mask, had no turn, or its ray hit no surface
 #define SIDERAY_OTHER_ID 4         // a layer lies where the fragment does, but has another surface id
 #define SIDERAY_OTHER_DISTANCE 5   // layers of this surface id lie elsewhere: other triangles, transform or matrices
-#define SIDERAY_OTHER_SURFACE 6    // neither: rays do not hit this surface, or it is not what was submitted
-#define SIDERAY_BESIDE 7           // masks alone: it was hidden then, and has the masks of its plane beside it
+#define SIDERAY_OTHER_SURFACE 6    // neither: rays do not hit this surface, or the scene holds another one
+#define SIDERAY_BESIDE 7           // masks only: it is disoccluded, and takes the masks of its plane nearby
 
 int sideray_explain_miss(SiderayFragment f) {
   if (!sideray_is_within(f.pixel, sideray_cache_size)) return SIDERAY_NOT_TRACED;
@@ -372,9 +375,8 @@ int sideray_explain_miss(SiderayFragment f) {
   return of_id ? SIDERAY_OTHER_DISTANCE : SIDERAY_OTHER_SURFACE;
 }
 
-// Why this fragment has its answer or none. A host counts what it finds: it draws its surfaces again, depth tested and
-// without colour, in an occlusion query, and discards where this is not the reason that is counted. Call it where control
-// flow is uniform.
+// Returns why this fragment has its answer or none. To count a reason, draw the surfaces again in an occlusion query,
+// depth tested and without colour, and discard fragments of other reasons. Call it in uniform control flow.
 int sideray_explain(vec3 world_position, SIDERAY_UINT surface_id) {
   vec3 radiance;
   int answer = sideray_look_up(world_position, surface_id, radiance);
@@ -399,8 +401,8 @@ vec3 sideray_debug_color(vec3 color, vec3 world_position, SIDERAY_UINT surface_i
   return sideray_reason_color(color, sideray_explain(world_position, surface_id));
 }
 
-// The ray-traced colour C of dst = C*a + dst*T for this fragment, or `fallback` where there is no answer. surface_id is
-// the number given to the scene; 0 skips the search (a branch that is uniform over the draw).
+// Returns the ray-traced colour C of dst = C*a + dst*T for this fragment, or `fallback` if there is no answer.
+// surface_id is that of the scene's instance; 0 skips the search (a branch that is uniform over the draw).
 vec3 sideray_translucent(vec3 fallback, vec3 world_position, SIDERAY_UINT surface_id) {
   vec3 radiance;
   bool found = sideray_find(world_position, surface_id, radiance);
@@ -410,10 +412,10 @@ vec3 sideray_translucent(vec3 fallback, vec3 world_position, SIDERAY_UINT surfac
   return found ? radiance : fallback;
 }
 
-// The same for a fragment of something that has moved since the frame of the cache was submitted, or where the camera
-// has, as where results come a frame late: `previous_world_position` is where this point of the surface was then, an
-// interpolated vertex position too (sideray_service_placement() has the matrix). Looked for where the view of the cache saw
-// it, in the plane that the surface had. Needs derivatives: call these where control flow is uniform.
+// The same for hosts that show results a frame late, after the object or the camera has moved.
+// `previous_world_position` is the vertex position, interpolated, by the matrix that the object had in the frame of the
+// cache (sideray_service_placement() returns it). The layer is looked up where the view of the cache saw that position.
+// Needs derivatives: call these in uniform control flow.
 SiderayFragment sideray_moving_fragment(vec3 previous_world_position, SIDERAY_UINT surface_id, out bool in_picture) {
   SiderayFragment f;
   f.position = previous_world_position;
@@ -451,7 +453,7 @@ int sideray_explain_moving(vec3 previous_world_position, SIDERAY_UINT surface_id
   bool in_picture;
   SiderayFragment f = sideray_moving_fragment(previous_world_position, surface_id, in_picture);
   if (!in_picture) return SIDERAY_NOT_TRACED;
-  // As far along the ray of that pixel as the plane lies there.
+  // The distance at which that pixel's ray meets the plane.
   vec2 met = sideray_meet_plane(f, f.pixel);
   f.distance = met.x;
   f.tolerance = met.y;
@@ -472,9 +474,9 @@ uniform sampler2D sideray_whole_radiance;
 uniform sampler2D sideray_whole_transmittance;  // alpha 1: the pixel is whole
 uniform int sideray_has_whole;
 
-// Whether this fragment's pixel is whole: all that is translucent there has been composited along its ray, in exact order
-// (sideray_layer_inputs::whole_pixels). One full-screen pass draws such pixels, by sideray_whole; fragments of
-// translucent surfaces are to be left out there, by the stencil that this pass wrote, or by `discard`.
+// Whether this fragment's pixel is whole: everything translucent there was composited along its ray, in exact order
+// (sideray_layer_inputs::whole_pixels). One full-screen pass draws such pixels with sideray_whole(). Other translucent
+// fragments must not be drawn there: reject them by the stencil that this pass wrote, or discard them.
 bool sideray_is_whole() {
   if (sideray_has_whole == 0) return false;
   ivec2 pixel = sideray_pixel();
@@ -507,13 +509,13 @@ float sideray_mask_layer(int layer) {
   return SIDERAY_FETCH(sideray_shadow_masks, pixel, layer, sideray_mask_size).x;
 }
 
-// Which share of the light of all lights from number 32 on, as they light this fragment's pixel unshadowed, arrives
-// there; 1 where there is no answer.
+// Returns the visible share of all lights from number 32 on together, weighted by their unshadowed light at this pixel;
+// 1 without an answer.
 float sideray_shadow_combined() { return sideray_mask_layer(sideray_combined_layer - 1); }
 
-// Which share of a light, numbered as the scene has them, the opaque surface at this fragment's pixel sees; 1 where
-// there is no answer: no mask, none of this light, or a pixel outside it. Lights from number 32 on share one mask. For a
-// pass over the depth that was traced.
+// Returns the visible share of a light, numbered as in the scene, at the opaque surface of this fragment's pixel. It is
+// 1 without an answer: there is no mask of this light, or the pixel lies outside of it. Lights from number 32 on share
+// one mask. For passes over the depth that was traced.
 float sideray_shadow(int light) {
   if (light < 0) return 1.0;
   if (light > 31) return sideray_shadow_combined();
@@ -523,8 +525,8 @@ float sideray_shadow(int light) {
 uniform sampler2DArray sideray_shadow_tints;  // 1 = all of the colour is left; red, green and blue of each tinted light
 uniform int sideray_tint_layer[33];           // the first of a light's three, counted from 1; 0 = nothing tints it
 
-// Which share of a light's red, green and blue glass and all else that is translucent leaves on its way to the opaque
-// surface at this fragment's pixel; 1 where there is no answer, as of lights that nothing tints.
+// Returns the share of a light's red, green and blue that translucent surfaces let through to the opaque surface of
+// this fragment's pixel; 1 without an answer, and for lights that nothing tints.
 vec3 sideray_shadow_tint(int light) {
   if (light < 0) return vec3(1.0);
   int layer = sideray_tint_layer[light > 31 ? 32 : light] - 1;
@@ -535,10 +537,10 @@ vec3 sideray_shadow_tint(int light) {
               SIDERAY_FETCH(sideray_shadow_tints, pixel, layer + 2, sideray_mask_size).x);
 }
 
-// The share of a light's red, green and blue that arrives: what is multiplied with its colour.
+// Returns the share of a light's red, green and blue that arrives: multiply the light's colour by it.
 vec3 sideray_shadow_color(int light) { return sideray_shadow(light) * sideray_shadow_tint(light); }
 
-// Which share of the sky the opaque surface at this fragment's pixel sees; 1 where there is no answer.
+// Returns the visible share of the sky at the opaque surface of this fragment's pixel; 1 without an answer.
 float sideray_ao() {
   if (sideray_has_ao == 0) return 1.0;
   ivec2 pixel = sideray_mask_pixel();
@@ -561,8 +563,8 @@ vec3 sideray_irradiance() {
   return SIDERAY_FETCH_2D(sideray_irradiance_texels, pixel, sideray_irradiance_size).rgb;
 }
 
-// Under a budget some pixels have no masks yet. Where they have none, these answer what the host's own shadow map, or its own
-// ambient occlusion, says; sideray_shadow() and sideray_ao() say 1 there.
+// Under a budget some pixels have no masks yet. sideray_shadow() and sideray_ao() return 1 there; the _or functions
+// below return `fallback`, the host's own shadow map or ambient occlusion.
 uniform sampler2D sideray_mask_answers;  // 255 times: 1, the lights' masks are known, + 2, the sky's is
 uniform int sideray_has_mask_answers;
 
@@ -588,14 +590,15 @@ vec3 sideray_shadow_color_or(int light, vec3 fallback) {
 }
 float sideray_ao_or(float fallback) { return sideray_knows_ao() ? sideray_ao() : fallback; }
 
-// Masks of an older frame, for surfaces or a camera that have moved since (sideray_mask_inputs::moving): a fragment finds the
-// pixels that showed its point then. At its own pixel it would take the masks of what was there.
+// Masks of an earlier frame, after surfaces or the camera have moved (sideray_mask_inputs::moving): a fragment looks
+// them up at the pixels that showed its point then. Its own pixel showed something else.
 uniform sampler2D sideray_mask_depth;  // of each pixel of the masks, along the camera's axis; 0 = nothing was drawn
 uniform int sideray_has_mask_depth;
 uniform mat4 sideray_mask_clip_from_world;
-// Map (x, y, 1), a pixel of the masks, to where its view ray starts and to the ray, which grows by 1 along the camera's axis.
+// Map (x, y, 1), a pixel of the masks, to the origin of its view ray and to its direction, 1 long along the camera's
+// axis.
 uniform mat3 sideray_mask_start, sideray_mask_ray;
-uniform vec2 sideray_mask_error;  // by which a depth d may be off: x * d * d + y
+uniform vec2 sideray_mask_error;  // a depth d is off by at most x * d * d + y
 
 // Where a fragment's masks are: four pixels and how much each of them counts, or no answer.
 struct SiderayMaskPlace {
@@ -604,7 +607,7 @@ struct SiderayMaskPlace {
   int reason;    // SIDERAY_MATCHED, _BESIDE; without an answer SIDERAY_NOT_ASKED, _NOT_TRACED, _OTHER_SURFACE
 };
 
-// Whether a pixel of the masks shows the plane through `position`, within a pixel's half breadth off it, as surfaces curve.
+// Whether a pixel of the masks shows the plane through `position`, within half a pixel's breadth, since surfaces curve.
 bool sideray_mask_shows(ivec2 pixel, vec3 position, vec3 normal) {
   if (!sideray_is_within(pixel, sideray_mask_size)) return false;
   float depth = SIDERAY_FETCH_2D(sideray_mask_depth, pixel, sideray_mask_size).x;
@@ -614,7 +617,7 @@ bool sideray_mask_shows(ivec2 pixel, vec3 position, vec3 normal) {
   float rounding = sideray_largest(position) * 4.768e-7;  // 2^-21
   float off = abs(dot(normal, start + along * depth - position));
   float least = 0.5 * breadth + rounding + sideray_mask_error.x * depth * depth + sideray_mask_error.y;
-  // Far from the position along a plane that is seen from its edge, everything lies near the plane.
+  // A plane that is seen nearly edge-on is close to everything far along it, so the distance is limited too.
   return off <= least && distance(start + along * depth, position) <= 32.0 * breadth / max(abs(dot(normal, normalize(along))), 0.02);
 }
 
@@ -623,7 +626,7 @@ ivec2 sideray_compass(int i) {
   return ivec2(i < 6 ? 1 : -1, sideray_is_even(i) ? 1 : -1);
 }
 
-// Where the masks are of a surface whose point and unit normal, either side, were these in the frame of the masks.
+// Finds the masks of a surface by its position and unit normal (either side) in the frame of the masks.
 SiderayMaskPlace sideray_find_masks_on(vec3 previous_world_position, vec3 normal) {
   SiderayMaskPlace place = SiderayMaskPlace(ivec2(0), vec4(0.0), SIDERAY_NOT_ASKED);
   if (sideray_has_mask_depth == 0) return place;
@@ -635,7 +638,7 @@ SiderayMaskPlace sideray_find_masks_on(vec3 previous_world_position, vec3 normal
   place.reason = SIDERAY_MATCHED;
   place.pixel = ivec2(floor(at - 0.5));
   vec2 part = at - 0.5 - vec2(place.pixel);
-  // In a view that stands still each pixel has its own masks, to the bit.
+  // In a view that stands still each pixel takes its own masks, bit for bit.
   part = mix(mix(part, vec2(0.0), vec2(lessThan(part, vec2(0.0078125)))), vec2(1.0), vec2(greaterThan(part, vec2(0.9921875))));
   place.weights = vec4((1.0 - part.x) * (1.0 - part.y), part.x * (1.0 - part.y), (1.0 - part.x) * part.y, part.x * part.y);
   if (!sideray_mask_shows(place.pixel, previous_world_position, normal)) place.weights.x = 0.0;
@@ -647,7 +650,7 @@ SiderayMaskPlace sideray_find_masks_on(vec3 previous_world_position, vec3 normal
     place.weights /= sum;
     return place;
   }
-  // What has come out from behind something was not seen: the plane beside it tells most of its light.
+  // A disoccluded surface has no masks: take those of its plane nearby.
   place.reason = SIDERAY_BESIDE;
   place.weights.x = 1.0;
   ivec2 middle = ivec2(floor(at));
@@ -671,7 +674,7 @@ SiderayMaskPlace sideray_find_masks(vec3 previous_world_position) {
   return sideray_find_masks_on(previous_world_position, normal);
 }
 
-// Of a pixel, the one to its right, the one above, the one above that; those outside count nothing.
+// Reads a pixel, the one to its right, the one above, and the one above that; coordinates are clamped.
 vec4 sideray_four_texels(sampler2DArray masks, ivec2 pixel, int layer) {
   vec2 last = sideray_mask_size - 1.0;
   ivec2 low = ivec2(clamp(vec2(pixel), vec2(0.0), last)), high = ivec2(clamp(vec2(pixel) + 1.0, vec2(0.0), last));
@@ -683,7 +686,7 @@ vec4 sideray_four_texels(sampler2DArray masks, ivec2 pixel, int layer) {
 
 bool sideray_has_masks(SiderayMaskPlace place) { return dot(place.weights, vec4(1.0)) > 0.0; }
 
-// What sideray_shadow(), _shadow_tint(), _shadow_color() and _ao() say of a pixel, of a place.
+// As sideray_shadow(), _shadow_tint(), _shadow_color() and _ao(), at a place that sideray_find_masks() has found.
 float sideray_shadow_at(SiderayMaskPlace place, int light) {
   int layer = light < 0 ? -1 : (light > 31 ? sideray_combined_layer : sideray_shadow_layer[light]) - 1;
   if (layer < 0 || !sideray_has_masks(place)) return 1.0;
@@ -712,7 +715,8 @@ float sideray_ao_at(SiderayMaskPlace place) {
                                  SIDERAY_FETCH_2D(sideray_ao_mask, high, sideray_mask_size).x));
 }
 
-// The same of one light, found alone; 1 where there is no answer. Shaders of several lights call sideray_find_masks() once.
+// The same with the search, for one light; 1 without an answer. Shaders with several lights call sideray_find_masks()
+// once.
 float sideray_shadow_moving(int light, vec3 previous_world_position) {
   return sideray_shadow_at(sideray_find_masks(previous_world_position), light);
 }
@@ -723,8 +727,8 @@ vec3 sideray_shadow_color_moving(int light, vec3 previous_world_position) {
 
 float sideray_ao_moving(vec3 previous_world_position) { return sideray_ao_at(sideray_find_masks(previous_world_position)); }
 
-// Why this fragment has its masks or none: SIDERAY_MATCHED, _BESIDE, _NOT_ASKED, _NOT_TRACED (outside of the older picture) or
-// _OTHER_SURFACE (hidden there, and not beside it).
+// Returns why this fragment has its masks or none: SIDERAY_MATCHED, _BESIDE, _NOT_ASKED, _NOT_TRACED (outside of the
+// earlier picture) or _OTHER_SURFACE (it was hidden, and its plane was not visible nearby).
 int sideray_explain_masks_moving(vec3 previous_world_position) {
   return sideray_find_masks(previous_world_position).reason;
 }

@@ -10,6 +10,7 @@
   commands   `sideray ...` is parsed by the program, which then misses its scene
   tests      a suite in --gtest_filter is one of tests/
   python     blocks compile
+  version    CITATION.cff, CHANGELOG.md and examples have the version of include/sideray/base.h
 """
 
 import json
@@ -178,6 +179,18 @@ def python_faults(page):
                 yield f"python: {fault}"
 
 
+def version_faults(root):
+    """The version stands in base.h; what is read without it repeats it."""
+    header = (root / "include/sideray/base.h").read_text()
+    major, minor, patch = (re.search(rf"SIDERAY_VERSION_{part} (\d+)", header)[1] for part in ("MAJOR", "MINOR", "PATCH"))
+    repeats = {"CITATION.cff": (r"^version: (\S+)", f"{major}.{minor}.{patch}"), "CHANGELOG.md": (r"^## (\S+)", f"{major}.{minor}.{patch}"),
+               "examples/python/offscreen.py": (r"libsideray\.so\.([\d.]+)", f"{major}.{minor}")}
+    for name, (pattern, expected) in repeats.items():
+        found = re.search(pattern, (root / name).read_text(), re.MULTILINE)
+        if not found or found[1] != expected:
+            yield f"{name}: {found[1] if found else 'no version'}, include/sideray/base.h has {expected}"
+
+
 def text_below(root, *folders):
     endings = {"", ".py", ".cpp", ".c", ".h", ".hpp", ".glsl", ".frag", ".vert", ".sh", ".yaml", ".sbatch"}
     files = (file for folder in folders for file in sorted((root / folder).rglob("*")) if file.is_file() and file.suffix in endings)
@@ -200,7 +213,7 @@ def main():
     removed = (root / "bridge/options/removed_options.cpp").read_text() + text_below(root, "cli")
     tests, sources = text_below(root, "tests"), text_below(root, *FOLDERS.split("|"))
     names = set(re.findall(r"\w+", sources + (root / "CMakeLists.txt").read_text()))
-    faults, run = [], 0
+    faults, run = list(version_faults(root)), 0
     chosen = [p for p in pages.values() if p.name in sys.argv[3:]] or pages.values()
     for page in chosen:
         found = [*fence_faults(page), *link_faults(page, pages), *file_faults(page, root), *function_faults(page, sources), *symbol_faults(page, names),
