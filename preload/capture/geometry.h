@@ -8,10 +8,12 @@
 
 namespace sideray::run {
 
+constexpr int kept_units = 4;  // of texture, whose coordinates are kept
+
 struct Vertex {
   float position[4] = {0, 0, 0, 1};
   float color[4] = {1, 1, 1, 1};
-  float uv[2][4] = {{0, 0, 0, 1}, {0, 0, 0, 1}};  // of the first two texture units
+  float uv[kept_units][4] = {{0, 0, 0, 1}, {0, 0, 0, 1}, {0, 0, 0, 1}, {0, 0, 0, 1}};
   float normal[3] = {0, 0, 1};
 };
 
@@ -21,6 +23,8 @@ struct Geometry {
   std::vector<uint32_t> indices;  // empty = one vertex after the other
 
   size_t count() const { return indices.empty() ? vertices.size() : indices.size(); }
+  // Whether no vertex is translucent.
+  bool is_opaque() const;
   bool is_surface() const { return mode >= GL_TRIANGLES && count() >= 3; }
 };
 

@@ -1,6 +1,7 @@
 // The context that is looked at, and what its calls become.
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "preload/capture/arrays.h"
@@ -33,8 +34,8 @@ class Session {
   void add_vertex() { geometry_.vertices.push_back(next_); }
   void end();
 
-  // Returns whether the draw is held back.
-  bool take(Geometry geometry);
+  // A draw of arrays, which `read` reads where they are wanted; it may return none. Returns whether the draw is held back.
+  bool take(const std::function<HashedGeometry()>& read);
   bool call_list(GLuint list);
   // A draw or a copy that is not captured: what is held back is drawn before it, where it lies over it or reads it.
   void before_other(const char* name);
@@ -50,6 +51,8 @@ class Session {
   Frame& frame() { return frame_; }
 
  private:
+  bool pass_unread();
+
   Frame frame_;
   Lists lists_;
   Arrays arrays_;

@@ -2,9 +2,12 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+
+#include "preload/capture/geometry.h"
 
 namespace sideray::run {
 namespace {
@@ -56,6 +59,11 @@ GLint get_integer(GLenum name) {
 
 bool is_enabled(GLenum name) {
   return real().IsEnabled(name) == GL_TRUE;
+}
+
+int texture_units() {
+  static const int units = std::clamp<GLint>(get_integer(GL_MAX_TEXTURE_UNITS), 1, kept_units);
+  return units;
 }
 
 void* real_dlsym(void* handle, const char* name) {

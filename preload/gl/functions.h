@@ -24,6 +24,8 @@ const Functions& real();
 // State of the current context.
 GLint get_integer(GLenum name);
 bool is_enabled(GLenum name);
+// Texture units of the fixed function, of those whose state is kept (kept_units).
+int texture_units();
 
 // dlsym of the C library, and a function of the driver.
 void* real_dlsym(void* handle, const char* name);

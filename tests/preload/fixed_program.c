@@ -7,6 +7,8 @@
  *   opened        OpenGL's functions come from dlopen, dlsym and glXGetProcAddress
  *   smoke         an unlit, blended quad hangs between the eye and the pane; it is drawn after the pane
  *   overlay       a quad without depth lies over the right half, drawn after the pane
+ *   late_box      a box before the pane is drawn after the smoke
+ *   stencil       what is drawn after the pane is drawn where the stencil says that the pane is
  *   solid         the pane's alpha is 1
  *   error         fails where glGetError has something */
 #define GL_GLEXT_PROTOTYPES
@@ -121,9 +123,15 @@ static void quad(float x0, float x1, float y0, float y1, float z) {
 
 /* An upright pane between the eye and the middle of the floor; what it reflects stands behind the eye's side. */
 static void draw_pane(void) {
+  if (has("stencil")) {
+    glEnable(GL_STENCIL_TEST);
+    glStencilFunc(GL_ALWAYS, 1, 255);
+    glStencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
+  }
   glNormal3f(0, 0, 1);
   glColor4f(0.2f, 0.4f, 0.3f, has("solid") ? 1 : 0.3f);
   quad(-1.5f, 1.5f, 0.1f, 2, 0);
+  if (has("stencil")) glStencilFunc(GL_EQUAL, 1, 255);
 }
 
 static void draw_smoke(void) {
@@ -131,6 +139,15 @@ static void draw_smoke(void) {
   glColor4f(1, 1, 0, 0.5f);
   quad(-0.4f, 0.4f, 0.4f, 1.4f, 0.6f);
   glEnable(GL_LIGHTING);
+}
+
+static void draw_late_box(void) {
+  glDisable(GL_BLEND);
+  glDepthMask(GL_TRUE);
+  glColor3f(0.9f, 0.9f, 0.1f);
+  box(-2.2f, 0.2f, 1.2f, 0.6f);
+  glDepthMask(GL_FALSE);
+  glEnable(GL_BLEND);
 }
 
 static void draw_overlay(void) {
@@ -148,7 +165,7 @@ static void draw_frame(GLuint box_list, GLuint checkers, int w, int h) {
   static const GLfloat sun[4] = {0.3f, 1, 0.6f, 0};
   glViewport(0, 0, w, h);
   glClearColor(0.3f, 0.5f, 0.8f, 1);
-  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
   glEnable(GL_DEPTH_TEST);
   glMatrixMode(GL_PROJECTION);
   glLoadIdentity();
@@ -170,6 +187,8 @@ static void draw_frame(GLuint box_list, GLuint checkers, int w, int h) {
   glDepthMask(GL_FALSE);
   draw_pane();
   if (has("smoke")) draw_smoke();
+  if (has("late_box")) draw_late_box();
+  glDisable(GL_STENCIL_TEST);
   if (has("overlay")) draw_overlay();
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
@@ -203,7 +222,7 @@ int main(int argc, char** argv) {
   const int frames = atoi(argv[1]);
   Display* display = XOpenDisplay(NULL);
   require(display != NULL, "no display");
-  int attributes[] = {GLX_RGBA, GLX_DOUBLEBUFFER, GLX_DEPTH_SIZE, 24, None};
+  int attributes[] = {GLX_RGBA, GLX_DOUBLEBUFFER, GLX_DEPTH_SIZE, 24, GLX_STENCIL_SIZE, 8, None};
   XVisualInfo* visual = glXChooseVisual(display, DefaultScreen(display), attributes);
   require(visual != NULL, "no visual of GLX");
   XSetWindowAttributes window_attributes = {0};
