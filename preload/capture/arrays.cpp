@@ -185,20 +185,18 @@ void Arrays::hash_source(const Source& source, uint64_t& hash, bool& lies_in_buf
 }
 
 template <typename Make>
-HashedGeometry Arrays::keep(const Source& source, uint64_t draw, bool lies_in_buffers, Make&& make) {
+std::shared_ptr<const Geometry> Arrays::keep(const Source& source, uint64_t draw, bool lies_in_buffers, Make&& make) {
   hash_source(source, draw, lies_in_buffers);
   if (lies_in_buffers)
     if (const auto found = kept_.find(draw); found != kept_.end()) return found->second;
-  HashedGeometry made;
-  made.geometry = std::make_shared<const Geometry>(make());
-  for (const bool with_colors : {false, true}) made.hashes[with_colors] = hash_of(*made.geometry, with_colors);
+  std::shared_ptr<const Geometry> made = std::make_shared<const Geometry>(make());
   if (!lies_in_buffers) return made;
   if (kept_.size() >= most_kept) kept_.clear();
   kept_.emplace(draw, made);
   return made;
 }
 
-HashedGeometry Arrays::read(GLenum mode, GLint first, GLsizei count) {
+std::shared_ptr<const Geometry> Arrays::read(GLenum mode, GLint first, GLsizei count) {
   const Source source = find_source();
   const uint64_t draw = mix(mix(mode, static_cast<uint64_t>(first)), static_cast<uint64_t>(count));
   return keep(source, draw, true, [&] {
@@ -211,7 +209,7 @@ HashedGeometry Arrays::read(GLenum mode, GLint first, GLsizei count) {
   });
 }
 
-HashedGeometry Arrays::read_indexed(GLenum mode, GLsizei count, GLenum type, const void* indices) {
+std::shared_ptr<const Geometry> Arrays::read_indexed(GLenum mode, GLsizei count, GLenum type, const void* indices) {
   if (type != GL_UNSIGNED_BYTE && type != GL_UNSIGNED_SHORT && type != GL_UNSIGNED_INT) return {};
   const char* data = static_cast<const char*>(indices);
   const auto length = static_cast<size_t>(std::max(count, 0));

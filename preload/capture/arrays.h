@@ -11,19 +11,13 @@
 
 namespace sideray::run {
 
-// Geometry and its names, without colours and with them.
-struct HashedGeometry {
-  std::shared_ptr<const Geometry> geometry;
-  uint64_t hashes[2] = {};
-};
-
 class Arrays {
  public:
   // Vertices first .. first + count - 1 of the enabled arrays.
-  HashedGeometry read(GLenum mode, GLint first, GLsizei count);
-  // The vertices that indices name. Without geometry where the type of the indices is none of OpenGL's, or they lie outside of
+  std::shared_ptr<const Geometry> read(GLenum mode, GLint first, GLsizei count);
+  // The vertices that indices name. Null where the type of the indices is none of OpenGL's, or they lie outside of
   // their buffer.
-  HashedGeometry read_indexed(GLenum mode, GLsizei count, GLenum type, const void* indices);
+  std::shared_ptr<const Geometry> read_indexed(GLenum mode, GLsizei count, GLenum type, const void* indices);
   // The contents of the buffer changed.
   void changed(GLuint buffer) { buffers_.erase(buffer); }
   void clear() { buffers_.clear(), kept_.clear(); }
@@ -56,11 +50,11 @@ class Arrays {
   static void hash_source(const Source& source, uint64_t& hash, bool& lies_in_buffers);
   // The geometry that `make` returns; where all of it lies in buffers, it is made once.
   template <typename Make>
-  HashedGeometry keep(const Source& source, uint64_t draw, bool lies_in_buffers, Make&& make);
+  std::shared_ptr<const Geometry> keep(const Source& source, uint64_t draw, bool lies_in_buffers, Make&& make);
 
   uint64_t next_version_ = 1;
   std::map<GLuint, Buffer> buffers_;
-  std::unordered_map<uint64_t, HashedGeometry> kept_;
+  std::unordered_map<uint64_t, std::shared_ptr<const Geometry>> kept_;
 };
 
 }  // namespace sideray::run

@@ -97,6 +97,13 @@ int DrawState::unit_of_layer(int layer) const {
   return -1;
 }
 
+Counted DrawState::counted() const {
+  Counted counted = {shows_colors(), lighting, 0};
+  for (unsigned i = 0; i < kept_units; ++i)
+    if (units[i].textured) counted.units |= 1u << i, counted.normals = counted.normals || units[i].coordinates;
+  return counted;
+}
+
 DrawState read_draw_state() {
   const Functions& gl = real();
   DrawState state;

@@ -77,6 +77,7 @@ struct DrawState {
   bool is_perspective() const { return projection[11] != 0; }
   // Colours of vertices count, or are replaced by the material's.
   bool shows_colors() const { return !lighting || color_material; }
+  Counted counted() const;
 };
 
 DrawState read_draw_state();

@@ -61,15 +61,20 @@ std::vector<uint32_t> triangles_of(const Geometry& geometry) {
   return triangles;
 }
 
-uint64_t hash_of(const Geometry& geometry, bool with_colors) {
-  uint64_t hash = mix(geometry.mode, with_colors);
+uint64_t hash_of(const Geometry& geometry, const Counted& counted) {
+  for (const auto& [key, hash] : geometry.hashes)
+    if (key == counted.key()) return hash;
+  uint64_t hash = mix(geometry.mode, counted.key());
   for (const Vertex& vertex : geometry.vertices) {
     hash = hash_bytes(vertex.position, sizeof(vertex.position), hash);
-    hash = hash_bytes(vertex.uv, sizeof(vertex.uv), hash);
-    hash = hash_bytes(vertex.normal, sizeof(vertex.normal), hash);
-    if (with_colors) hash = hash_bytes(vertex.color, sizeof(vertex.color), hash);
+    for (unsigned unit = 0; unit < kept_units; ++unit)
+      if (counted.units & (1u << unit)) hash = hash_bytes(vertex.uv[unit], sizeof(vertex.uv[unit]), hash);
+    if (counted.normals) hash = hash_bytes(vertex.normal, sizeof(vertex.normal), hash);
+    if (counted.colors) hash = hash_bytes(vertex.color, sizeof(vertex.color), hash);
   }
-  return hash_bytes(geometry.indices.data(), geometry.indices.size() * sizeof(uint32_t), hash);
+  hash = hash_bytes(geometry.indices.data(), geometry.indices.size() * sizeof(uint32_t), hash);
+  geometry.hashes.emplace_back(counted.key(), hash);
+  return hash;
 }
 
 void draw(const Geometry& geometry) {

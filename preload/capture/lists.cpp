@@ -35,7 +35,7 @@ void Lists::note(Command command) {
 }
 
 void Lists::add(Geometry geometry, bool colored) {
-  const uint64_t hash = hash_of(geometry, colored);
+  const uint64_t hash = hash_of(geometry, {.colors = colored});
   note({Command::piece, {std::make_shared<const Geometry>(std::move(geometry)), hash, colored}, 0, false, {}});
 }
 

@@ -122,7 +122,7 @@ bool Frame::is_light_map_of_pending(const Piece& piece) const {
 
 void Frame::add_pending() {
   if (!pending_) return;
-  SceneDraw draw = scene_draw(*pending_->geometry, hash_of(*pending_->geometry, pending_->state.shows_colors()), pending_->state);
+  SceneDraw draw = scene_draw(*pending_->geometry, hash_of(*pending_->geometry, pending_->state.counted()), pending_->state);
   std::copy_n(pending_tint_, 4, draw.tint);
   if (capture_) capture_->add(*draw.geometry, *draw.state, *draw.textures[0], false);
   if (pending_->decision.taking == Taking::sky)
@@ -138,6 +138,7 @@ void Frame::show(Piece piece, const float tint[4]) {
   if (!scene_) scene_ = std::make_unique<TracedScene>();
   if (is_light_map_of_pending(piece)) {
     Geometry both = *pending_->geometry;
+    both.hashes.clear();
     for (size_t i = 0; i < both.vertices.size(); ++i) std::copy_n(piece.geometry->vertices[i].uv[0], 4, both.vertices[i].uv[1]);
     pending_->geometry = std::make_shared<const Geometry>(std::move(both));
     pending_->state.units[1] = piece.state.units[0];

@@ -95,7 +95,7 @@ void Session::end() {
     lists_.add(std::move(geometry_), colored_);
     return;
   }
-  const uint64_t hash = hash_of(geometry_, state_.shows_colors());
+  const uint64_t hash = hash_of(geometry_, state_.counted());
   Piece piece{std::make_shared<const Geometry>(std::move(geometry_)), hash, state_, decision_};
   if (was_held)
     frame_.hold({std::move(piece)}, 0, untinted);
@@ -103,20 +103,20 @@ void Session::end() {
     frame_.show(std::move(piece), untinted);
 }
 
-bool Session::take(const std::function<HashedGeometry()>& read) {
+bool Session::take(const std::function<std::shared_ptr<const Geometry>()>& read) {
   if (lists_.is_recording()) {
-    if (const HashedGeometry drawn = read(); drawn.geometry) lists_.add(*drawn.geometry, is_enabled(GL_COLOR_ARRAY));
+    if (const std::shared_ptr<const Geometry> drawn = read()) lists_.add(*drawn, is_enabled(GL_COLOR_ARRAY));
     return false;
   }
   DrawState state = read_draw_state();
   const bool needs_colors = state.blend && state.shows_colors() && is_enabled(GL_COLOR_ARRAY);
-  HashedGeometry drawn;
+  std::shared_ptr<const Geometry> drawn;
   Decision decision;
   if (needs_colors || frame_.names_meshes()) {
     drawn = read();
-    if (!drawn.geometry) return pass_unread();
-    if (state.shows_colors()) state.alpha = drawn.geometry->vertices.front().color[3];
-    decision = frame_.decide(state, drawn.geometry.get(), drawn.hashes[state.shows_colors()]);
+    if (!drawn) return pass_unread();
+    if (state.shows_colors()) state.alpha = drawn->vertices.front().color[3];
+    decision = frame_.decide(state, drawn.get(), hash_of(*drawn, state.counted()));
     if (!frame_.wants(decision)) return false;
   } else {
     // The colour is current, so that one vertex says what all have.
@@ -125,9 +125,10 @@ bool Session::take(const std::function<HashedGeometry()>& read) {
     decision = frame_.decide(state, &vertex, 0);
     if (!frame_.wants(decision)) return false;
     drawn = read();
-    if (!drawn.geometry) return pass_unread();
+    if (!drawn) return pass_unread();
   }
-  Piece piece{drawn.geometry, drawn.hashes[state.shows_colors()], std::move(state), decision};
+  const uint64_t hash = hash_of(*drawn, state.counted());
+  Piece piece{std::move(drawn), hash, std::move(state), decision};
   if (decision.holds())
     frame_.hold({std::move(piece)}, 0, untinted);
   else

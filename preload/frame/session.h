@@ -35,7 +35,7 @@ class Session {
   void end();
 
   // A draw of arrays, which `read` reads where they are wanted; it may return none. Returns whether the draw is held back.
-  bool take(const std::function<HashedGeometry()>& read);
+  bool take(const std::function<std::shared_ptr<const Geometry>()>& read);
   bool call_list(GLuint list);
   // A draw or a copy that is not captured: what is held back is drawn before it, where it lies over it or reads it.
   void before_other(const char* name);

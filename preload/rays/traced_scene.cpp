@@ -172,7 +172,7 @@ uint32_t TracedScene::add_mirror(const SceneDraw& draw) {
   instance.material = material(draw, true);
   instance.user = looks_.add_mirror(*draw.state, draw.tint);
   instance.visibility = SIDERAY_VISIBLE_LAYERS;
-  instance.surface_id = names_.name(draw.hash, draw.textures[0]->hash);
+  instance.surface_id = names_.name(hash_of(*draw.geometry, {false, false, 0}), draw.textures[0]->hash);
   wanted_.push_back(instance);
   return instance.surface_id;
 }
