@@ -8,7 +8,7 @@
 namespace sideray::run {
 namespace {
 
-thread_local GLXContext current_context = nullptr;
+thread_local void* current_context = nullptr;
 
 
 // A list that is held back leaves the texture and the attributes of its last vertex, as if it had been drawn.
@@ -20,9 +20,10 @@ void leave_as_drawn(const Piece& last) {
   gl.TexCoord4fv(vertex.uv[0]);
 }
 
-GLXContext context_of_thread() {
+void* context_of_thread() {
   static const auto current = real_function<decltype(&::glXGetCurrentContext)>("glXGetCurrentContext");
   if (!current_context && current) current_context = current();
+  if (!current_context) current_context = current_egl_context();
   return current_context;
 }
 
@@ -39,7 +40,7 @@ Session::Session() {
 
 bool Session::looks() {
   if (frame_.gave_up()) return false;
-  const GLXContext context = context_of_thread();
+  void* const context = context_of_thread();
   if (!context) return false;
   if (!context_) context_ = context;
   if (context == context_) return true;
@@ -47,11 +48,11 @@ bool Session::looks() {
   return false;
 }
 
-void Session::make_current(GLXContext context) {
+void Session::make_current(void* context) {
   current_context = context;
 }
 
-void Session::destroy(GLXContext context) {
+void Session::destroy(void* context) {
   if (!context || context != context_) return;
   frame_.close(context == current_context);
   lists_.clear();

@@ -17,8 +17,8 @@ class Session {
 
   // Whether calls of this thread are looked at. Chooses the thread's context if none is yet.
   bool looks();
-  void make_current(GLXContext context);
-  void destroy(GLXContext context);
+  void make_current(void* context);  // of GLX or EGL
+  void destroy(void* context);
   void swap();
 
   // glBegin; whether the draw is held back, so that the driver does not see it.
@@ -56,7 +56,7 @@ class Session {
   Frame frame_;
   Lists lists_;
   Arrays arrays_;
-  GLXContext context_ = nullptr;
+  void* context_ = nullptr;
   bool open_ = false, held_ = false, colored_ = false;
   Vertex next_;
   Geometry geometry_;

@@ -30,6 +30,10 @@ int texture_units();
 // dlsym of the C library, and a function of the driver.
 void* real_dlsym(void* handle, const char* name);
 void* real_symbol(const char* name);
+// A function of libEGL; null where the process has not got it.
+void* real_egl_symbol(const char* name);
+// The thread's context of OpenGL (not of OpenGL ES) that was made by EGL, or null.
+void* current_egl_context();
 
 template <typename Function>
 Function real_function(const char* name) {

@@ -3,6 +3,7 @@
 
 Skipped (77) without Xvfb, GLX or libsideray_run.so, which fails instead where SIDERAY_REQUIRE_CONTEXTS is set.
 """
+import math
 import os
 import pathlib
 import re
@@ -171,6 +172,69 @@ class RunTest(unittest.TestCase):
         self.assertEqual((seen.width, seen.height, said), (400, 200, ""))
         self.assertEqual(figures["frames_with_rays"], 4)
 
+    def test_another_level_leaves_nothing_of_the_first(self):
+        """Lists and textures are deleted and made anew, under the same names, and the window has another size."""
+        for options in ((), ("--late",)):
+            seen, said, _ = self.run_fixed("levels", "slow", frames=20, options=options)
+            fresh, _, _ = self.run_fixed("level2", "slow", frames=20, options=options)
+            self.assertEqual((said, seen.width, len(seen.changed(fresh))), ("", 400, 0), options)
+
+    def test_late_answers_are_those_of_a_frame_that_stands_still(self):
+        waited, _, all_of_them = self.run_fixed("smoke", frames=40)
+        late, said, figures = self.run_fixed("smoke", "slow", frames=40, options=["--late"])
+        self.assertEqual((said, late.pixels), ("", waited.pixels))
+        self.assertGreater(figures["fragments_by_rays"], 0.7 * all_of_them["fragments_by_rays"])
+
+    def test_late_answers_follow_the_eye(self):
+        waited, _, all_of_them = self.run_fixed("turn", frames=40)
+        late, _, figures = self.run_fixed("turn", "slow", frames=40, options=["--late"])
+        plain = self.plain("turn", frames=40)
+        self.assertGreater(figures["fragments_by_rays"], 0.7 * all_of_them["fragments_by_rays"])
+        # Nearly all that rays change is changed late too, and alike.
+        pane = waited.changed(plain)
+        self.assertGreater(len(late.changed(plain) & pane), 0.9 * len(pane))
+        alike = sum(1 for x, y in pane if max(abs(a - b) for a, b in zip(late.at(x, y), waited.at(x, y))) <= 3)
+        self.assertGreater(alike, 0.95 * len(pane))
+
+    def floor_rule(self):
+        """A rules file that makes the floor a mirror."""
+        self.run_fixed(options=["--off"])
+        hashes = re.findall(r"<code>([0-9a-f]{16})</code></td><td><img", (self.folder / "report.html").read_text())
+        self.assertEqual(len(hashes), 1)
+        (self.folder / "rules").write_text(f"mirror texture {hashes[0]} reflectance=0.5  # the floor\n")
+        return ["--rules", "rules"]
+
+    def test_generated_coordinates_are_mirrored(self):
+        rules = self.floor_rule()
+        for mode in ("object", "eye", "sphere"):
+            generated, _, _ = self.run_fixed(mode, options=rules)
+            explicit, _, _ = self.run_fixed(mode, "explicit", options=rules)
+            self.assertLessEqual(generated.largest_difference(explicit), 2, mode)
+
+    def test_fog_lies_over_what_is_mirrored(self):
+        plain, (seen, _, _) = self.plain("fog"), self.run_fixed("fog")
+        x, y = 150, 100
+        # The red box's top, y = 1, behind the mirror: 1.8 below the eye, which looks down by 12 degrees.
+        ray_y, pitch = 0.5 * (1 - 2 * (y + 0.5) / 240), math.radians(12)
+        depth = -0.8 / (math.cos(pitch) * ray_y - math.sin(pitch))
+        share = (12 - depth) / 10
+        for channel, (red, fog) in enumerate(zip((0.9, 0.1, 0.1), (0.1, 0.2, 0.9))):
+            mirrored = 255 * (share * min(1, red * (0.2 + 0.8305)) + (1 - share) * fog)
+            self.assertAlmostEqual(seen.at(x, y)[channel], 0.96 * plain.at(x, y)[channel] + 0.04 * mirrored, delta=1)
+            self.assertGreater(abs(mirrored - 255 * min(1, red * 1.0305)), 0)
+
+    def test_egl_is_followed(self):
+        seen, said, figures = self.run_fixed("egl", "smoke")
+        self.assertEqual((said, seen.pixels), ("", self.run_fixed("smoke")[0].pixels))
+        self.assertEqual(figures["frames_with_rays"], 3)
+
+    def test_no_debug_message_is_an_error(self):
+        (self.folder / "pictures").mkdir()
+        for options in ((), ("--late",), ("--off",), ("--pictures", "pictures")):
+            _, said, figures = self.run_fixed("debug", "smoke", "overlay", "resize", "lists", "fog", "sphere", frames=6, options=options)
+            self.assertEqual(said, "")
+            self.assertEqual(figures["draws_held"] == 0, options == ("--off",))
+
     def test_lists_are_made_anew(self):
         seen, _, figures = self.run_fixed("lists", frames=200)
         once, _, _ = self.run_fixed()
@@ -178,24 +242,23 @@ class RunTest(unittest.TestCase):
         self.assertLess(figures["meshes_kept"], 8)
 
     def test_a_killed_program_dies_as_ever(self):
-        process = subprocess.Popen([PROGRAM, "run", "--report", "report.html", "--", FIXED, "1000000", "run.ppm"], env=self.display.environment,
-                                   cwd=self.folder, stderr=subprocess.PIPE)
-        deadline = time.monotonic() + 60
-        while not (self.folder / "report.html").exists() and time.monotonic() < deadline:
-            time.sleep(0.1)
-        process.terminate()
-        self.assertEqual(process.wait(timeout=20), -signal.SIGTERM)
-        self.assertEqual(process.stderr.read(), b"")
-        process.stderr.close()
-        self.assertIn("frames_with_rays", (self.folder / "report.html").read_text())
+        for how in (signal.SIGTERM, signal.SIGKILL):
+            report = self.folder / f"{how.name}.html"
+            process = subprocess.Popen([PROGRAM, "run", "--report", report, "--", FIXED, "1000000", "run.ppm"], env=self.display.environment,
+                                       cwd=self.folder, stderr=subprocess.PIPE)
+            deadline = time.monotonic() + 60
+            while not report.exists() and time.monotonic() < deadline:
+                time.sleep(0.1)
+            process.send_signal(how)
+            self.assertEqual(process.wait(timeout=20), -how)
+            self.assertEqual(process.stderr.read(), b"")
+            process.stderr.close()
+            self.assertIn("frames_with_rays", report.read_text())
 
     def test_a_rule_makes_the_floor_a_mirror(self):
-        self.run_fixed(options=["--off"])
-        hashes = re.findall(r"<code>([0-9a-f]{16})</code></td><td><img", (self.folder / "report.html").read_text())
-        self.assertEqual(len(hashes), 1)
-        (self.folder / "rules").write_text(f"mirror texture {hashes[0]} reflectance=0.5  # the floor\n")
+        rules = self.floor_rule()
         plain = self.plain()
-        seen, said, figures = self.run_fixed(options=["--rules", "rules"])
+        seen, said, figures = self.run_fixed(options=rules)
         self.assertEqual(said, "")
         self.assertEqual(figures["draws_held"], 6)
         # Half of the floor, and half of the sky that stands above it.
