@@ -117,6 +117,7 @@ DrawState read_draw_state() {
   state.depth_test = is_enabled(GL_DEPTH_TEST);
   state.depth_write = get_integer(GL_DEPTH_WRITEMASK) != 0;
   state.depth_func = static_cast<GLenum>(get_integer(GL_DEPTH_FUNC));
+  state.stencil_test = is_enabled(GL_STENCIL_TEST);
   state.alpha_test = is_enabled(GL_ALPHA_TEST);
   if (state.alpha_test) gl.GetFloatv(GL_ALPHA_TEST_REF, &state.alpha_reference);
   GLboolean mask[4] = {};

@@ -51,7 +51,7 @@ struct Fog {
 struct DrawState {
   Matrix modelview{}, projection{};
   std::array<GLint, 4> viewport{};
-  bool blend = false, depth_test = false, depth_write = false, alpha_test = false, lighting = false, color_material = false;
+  bool blend = false, depth_test = false, depth_write = false, alpha_test = false, stencil_test = false, lighting = false, color_material = false;
   bool writes_color = true;
   std::array<TextureUnit, kept_units> units;
   GLenum blend_source = GL_ONE, blend_target = GL_ZERO, depth_func = GL_LESS;

@@ -55,7 +55,7 @@ Frame::Frame() : compares_(is_compared(0)) {
 Frame::~Frame() = default;
 
 Taking Frame::taking_of(const DrawState& state, const Rule& rule) const {
-  const bool joins_later = state.blend || state.depth_func == GL_EQUAL;
+  const bool joins_later = state.blend || depends_on_held(state);
   if (rule.kind == Kind::ignore || !state.writes_color) return joins_later && is_holding() ? Taking::held : Taking::left;
   if (is_reflector(rule.kind)) return Taking::reflects;
   const bool behind_all = !state.depth_test || !state.depth_write;
@@ -65,8 +65,12 @@ Taking Frame::taking_of(const DrawState& state, const Rule& rule) const {
   return is_holding() ? Taking::held : Taking::left;
 }
 
+bool Frame::depends_on_held(const DrawState& state) const {
+  return state.depth_func == GL_EQUAL || (state.stencil_test && holds_stencil_);
+}
+
 bool Frame::covers(const DrawState& state, const Geometry* geometry, bool& has_holes) {
-  if (!blends_by_alpha(state) || !state.depth_test || !state.depth_write || state.depth_func == GL_EQUAL) return false;
+  if (!blends_by_alpha(state) || !state.depth_test || !state.depth_write || depends_on_held(state)) return false;
   if (state.shows_colors() && geometry ? !geometry->is_opaque() : state.alpha < 0.99f) return false;
   for (int layer = 0; layer < kept_units; ++layer) has_holes = has_holes || !textures_.find(state.texture(layer)).covers;
   return true;
@@ -94,7 +98,9 @@ Decision Frame::decide(const DrawState& state, const Geometry* geometry, uint64_
     // What has no holes looks the same before and behind what is held back; the vertices of glBegin are not known yet.
     if (!is_holding() || (geometry && !has_holes)) decision.taking = Taking::opaque;
   }
-  decision.is_seen = decision.is_seen || decision.taking == Taking::opaque || decision.taking == Taking::sky;
+  const bool is_solid = !state.blend && state.depth_test && state.depth_write && state.depth_func != GL_EQUAL;
+  decision.is_seen = decision.is_seen || decision.taking == Taking::opaque || decision.taking == Taking::sky ||
+                     (decision.taking == Taking::held && is_solid && state.writes_color && decision.rule.kind != Kind::ignore);
   if (decision.holds() && is_holding() && has_other_view(state)) flush();
   if (decision.taking == Taking::opaque && state.depth_write) drew_opaque_ = true;
   survey_.note(texture, mesh, state, decision.taking, decision.rule);
@@ -158,6 +164,7 @@ void Frame::hold(std::vector<Piece> pieces, GLuint list, const float tint[4]) {
   held.list = list;
   held.in_turn = std::all_of(pieces.begin(), pieces.end(), [](const Piece& piece) { return piece.decision.in_turn; });
   held.pieces = std::move(pieces);
+  holds_stencil_ = holds_stencil_ || (!held.in_turn && held.pieces.front().state.stencil_test);
   for (const Piece& piece : held.pieces) {
     if (piece.decision.taking == Taking::reflects)
       add_reflector(held, piece);
@@ -312,7 +319,7 @@ void Frame::flush() {
     give_up(error.what());
   }
   held_.clear();
-  flushing_ = false;
+  flushing_ = holds_stencil_ = false;
   compares_ = false;
 }
 

@@ -86,6 +86,8 @@ class Frame {
   void write_scene();
   Taking taking_of(const DrawState& state, const Rule& rule) const;
   bool has_other_view(const DrawState& state) const;
+  // Whether the draw looks otherwise where what is held back is drawn after it.
+  bool depends_on_held(const DrawState& state) const;
   bool wants_scene() const { return tracing_ && !settings().off; }
   // Blended as it is, it hides what is behind it, but for holes of its texture.
   bool covers(const DrawState& state, const Geometry* geometry, bool& has_holes);
@@ -115,6 +117,7 @@ class Frame {
   std::array<GLint, 4> viewport_{};
   bool drew_opaque_ = false, flushing_ = false;
   bool tracing_ = false;     // frames have reflecting surfaces: opaque draws are captured
+  bool holds_stencil_ = false;  // what is held back tests the stencil, and may write it
   bool compares_ = false;    // this frame is drawn both ways
   int frames_without_ = 0;
   uint64_t number_ = 0;

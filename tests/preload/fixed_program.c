@@ -221,7 +221,7 @@ static void draw_late_box(void) {
   glDisable(GL_BLEND);
   glDepthMask(GL_TRUE);
   glColor3f(0.9f, 0.9f, 0.1f);
-  box(-2.2f, 0.2f, 1.2f, 0.6f);
+  box(-1.3f, 0.6f, 0.4f, 0.6f);
   glDepthMask(GL_FALSE);
   glEnable(GL_BLEND);
 }

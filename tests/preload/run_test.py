@@ -289,6 +289,16 @@ class RunTest(unittest.TestCase):
         self.assertGreater(len(marked), 5000)
         self.assertLessEqual(own.changed(rays), marked)
 
+    def test_what_a_held_draw_writes_into_the_stencil_is_waited_for(self):
+        """A box that is drawn where the pane has written the stencil."""
+        plain, without = self.plain("stencil", "late_box"), self.plain("stencil")
+        seen, _, _ = self.run_fixed("stencil", "late_box")
+        box = plain.changed(without)
+        self.assertGreater(len(box), 300)
+        for x, y in box:
+            for a, b in zip(plain.at(x, y), seen.at(x, y)):
+                self.assertAlmostEqual(a, b, delta=1)
+
     def test_pictures_keep_the_stencil(self):
         (self.folder / "pictures").mkdir()
         plain = self.plain("stencil", "smoke", frames=1)
