@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "preload/base/settings.h"
+#include "preload/base/signals.h"
 #include "preload/gl/functions.h"
 
 namespace sideray::run {
@@ -138,10 +139,17 @@ void Frame::add_pending() {
   pending_.reset();
 }
 
+// Its threads leave signals to those of the program.
+void Frame::make_scene() {
+  if (scene_) return;
+  const SignalsWait signals_wait;
+  scene_ = std::make_unique<TracedScene>();
+}
+
 void Frame::show(Piece piece, const float tint[4]) {
   if (!wants_scene() || gave_up()) return;
   if (piece.state.lighting) piece.state.lights = read_lighting();
-  if (!scene_) scene_ = std::make_unique<TracedScene>();
+  make_scene();
   if (is_light_map_of_pending(piece)) {
     Geometry both = *pending_->geometry;
     both.hashes.clear();
@@ -157,7 +165,7 @@ void Frame::show(Piece piece, const float tint[4]) {
 }
 
 void Frame::hold(std::vector<Piece> pieces, GLuint list, const float tint[4]) {
-  if (!scene_) scene_ = std::make_unique<TracedScene>();
+  make_scene();
   if (held_.empty()) projection_ = pieces.front().state.projection, viewport_ = pieces.front().state.viewport;
   Held& held = held_.emplace_back();
   held.state = SavedState::read();
@@ -312,6 +320,7 @@ void Frame::trace_and_draw() {
 
 void Frame::flush() {
   if (held_.empty() || flushing_) return;
+  const SignalsWait signals_wait;
   flushing_ = true;
   try {
     trace_and_draw();
@@ -324,6 +333,7 @@ void Frame::flush() {
 }
 
 void Frame::end() {
+  const SignalsWait signals_wait;
   flush();
   if (renderer_.empty()) renderer_ = reinterpret_cast<const char*>(real().GetString(GL_RENDERER));
   figures_.pixels = static_cast<uint64_t>(viewport_[2]) * static_cast<uint64_t>(viewport_[3]);
@@ -347,6 +357,7 @@ void Frame::end() {
 }
 
 void Frame::close(bool current) {
+  const SignalsWait signals_wait;
   if (current) flush();
   held_.clear();
   if (reflections_ && !current) reflections_->abandon();

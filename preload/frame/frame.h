@@ -55,6 +55,8 @@ class Frame {
   void compare_no_more();
 
   bool is_holding() const { return !held_.empty(); }
+  // Calls of the program that come meanwhile are those of another thread, in a signal handler as a rule.
+  bool is_flushing() const { return flushing_; }
   // Makes all draws that are held back.
   void flush();
   // At the swap.
@@ -91,6 +93,7 @@ class Frame {
   bool wants_scene() const { return tracing_ && !settings().off; }
   // Blended as it is, it hides what is behind it, but for holes of its texture.
   bool covers(const DrawState& state, const Geometry* geometry, bool& has_holes);
+  void make_scene();
   void add_reflector(Held& held, const Piece& piece);
   void trace_and_draw();
   bool try_to_trace();

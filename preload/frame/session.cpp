@@ -39,7 +39,7 @@ Session::Session() {
 }
 
 bool Session::looks() {
-  if (frame_.gave_up()) return false;
+  if (frame_.gave_up() || frame_.is_flushing()) return false;
   void* const context = context_of_thread();
   if (!context) return false;
   if (!context_) context_ = context;
@@ -53,7 +53,7 @@ void Session::make_current(void* context) {
 }
 
 void Session::destroy(void* context) {
-  if (!context || context != context_) return;
+  if (!context || context != context_ || frame_.is_flushing()) return;
   frame_.close(context == current_context);
   lists_.clear();
   arrays_.clear();

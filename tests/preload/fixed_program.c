@@ -16,6 +16,7 @@
  *   turn          the eye turns from frame to frame
  *   levels        from the second half of the frames on it is another level: lists, textures and the window are made anew;
  *   level2        it is that level from the start
+ *   handler       SIGTERM ends it from its handler while it draws the overlay: the context is destroyed, the program exits
  *   slow          30 ms pass between frames
  *   egl           EGL in place of GLX
  *   debug         a context for debugging: fails at the first message of an error
@@ -26,6 +27,7 @@
 #include <GL/glx.h>
 #include <dlfcn.h>
 #include <math.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -226,6 +228,13 @@ static void draw_late_box(void) {
   glEnable(GL_BLEND);
 }
 
+static void let_signals_in(int let) {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, SIGTERM);
+  sigprocmask(let ? SIG_UNBLOCK : SIG_BLOCK, &set, NULL);
+}
+
 static void draw_overlay(void) {
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_LIGHTING);
@@ -268,7 +277,9 @@ static void draw_frame(GLuint box_list, GLuint checkers, int w, int h, int frame
   if (has("smoke")) draw_smoke();
   if (has("late_box")) draw_late_box();
   glDisable(GL_STENCIL_TEST);
+  if (has("handler")) let_signals_in(1);
   if (has("overlay")) draw_overlay();
+  if (has("handler")) let_signals_in(0);
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
 }
@@ -369,6 +380,14 @@ static void close_screen(struct Screen* screen) {
   XCloseDisplay(screen->display);
 }
 
+static struct Screen* open_one;
+
+static void leave(int number) {
+  glXMakeCurrent(open_one->display, None, NULL);
+  glXDestroyContext(open_one->display, open_one->contexts[0]);
+  exit(number == SIGTERM ? 3 : 4);
+}
+
 static void resize(const struct Screen* screen, int w, int h) {
   XResizeWindow(screen->display, screen->window, (unsigned)w, (unsigned)h);
   XSync(screen->display, False);
@@ -380,6 +399,8 @@ int main(int argc, char** argv) {
   const int frames = atoi(argv[1]);
   struct Screen screen = open_screen();
   if (has("opened")) open_functions();
+  open_one = &screen;
+  if (has("handler")) let_signals_in(0), signal(SIGTERM, leave);
   if (has("debug")) {
     glEnable(GL_DEBUG_OUTPUT);
     glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);

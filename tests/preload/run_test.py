@@ -255,6 +255,21 @@ class RunTest(unittest.TestCase):
             process.stderr.close()
             self.assertIn("frames_with_rays", report.read_text())
 
+    def test_a_program_that_leaves_from_a_signal_handler_leaves(self):
+        """Also where rays are waited for then, which the overlay makes them be."""
+        for repeat in range(4):
+            report = self.folder / f"{repeat}.html"
+            process = subprocess.Popen([PROGRAM, "run", "--report", report, "--", FIXED, "1000000", "run.ppm", "overlay", "handler"], env=self.display.environment,
+                                       cwd=self.folder, stderr=subprocess.PIPE)
+            while not report.exists() and process.poll() is None:
+                time.sleep(0.05)
+            process.terminate()
+            try:
+                self.assertEqual(process.wait(timeout=20), 3)
+            finally:
+                process.kill()
+                process.stderr.close()
+
     def test_a_rule_makes_the_floor_a_mirror(self):
         rules = self.floor_rule()
         plain = self.plain()
