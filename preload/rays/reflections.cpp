@@ -29,14 +29,14 @@ constexpr const char* fragment_text = R"(
 varying vec3 eye_position, position_before;
 uniform float surface, reflectance, fresnel, late, marks;
 
-// An answer of the frame before. The distance counts less than it does to sideray_find_moving(): the surface id is that of one
-// draw, water heaves, and what OpenGL interpolates over large polygons is coarser than a rounding.
+// An answer where the surface was. The distance counts less than it does to sideray_find() and sideray_find_moving(): the surface
+// id is that of one draw, water heaves, and what OpenGL interpolates over large polygons is coarser than a rounding.
 bool find_before(vec3 position, float surface, out vec3 reflected) {
   reflected = vec3(0.0);
   bool in_picture;
   SiderayFragment f = sideray_moving_fragment(position, surface, in_picture);
   vec2 met = sideray_meet_plane(f, f.pixel);
-  if (!in_picture || !(met.x > 0.0)) return false;
+  if (sideray_layers == 0 || !in_picture || !(met.x > 0.0)) return false;
   int layer = sideray_find_layer_at(f.pixel, met.x, met.y + 0.02 * met.x, surface);
   if (layer >= 0) reflected = SIDERAY_FETCH(sideray_radiance, f.pixel, layer, sideray_cache_size).rgb;
   return layer >= 0;
@@ -44,11 +44,10 @@ bool find_before(vec3 position, float surface, out vec3 reflected) {
 
 void main() {
   vec3 reflected;
-  bool found;
-  if (late > 0.5)
-    found = sideray_layers > 0 && find_before(position_before, surface, reflected);
-  else
-    found = sideray_find(eye_position, surface, reflected);
+  bool found = late < 0.5 && sideray_find(eye_position, surface, reflected);
+  vec3 reflected_before;
+  bool found_before = find_before(position_before, surface, reflected_before);
+  if (!found && found_before) found = true, reflected = reflected_before;
   vec3 normal = normalize(cross(dFdx(eye_position), dFdy(eye_position)));
   float cosine = clamp(abs(dot(normal, normalize(eye_position))), 0.0, 1.0);
   float weight = reflectance + fresnel * (1.0 - reflectance) * pow(1.0 - cosine, 5.0);
