@@ -17,6 +17,8 @@ void put_pixels_alone() {
     gl.Disable(GL_TEXTURE_2D);
     gl.Disable(GL_TEXTURE_CUBE_MAP);
   }
+  if (gl.BindBuffer) gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+  for (const GLenum name : {GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_ROWS, GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SWAP_BYTES}) gl.PixelStorei(name, 0);
   gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
   gl.PixelZoom(1, 1);
 }
@@ -27,14 +29,19 @@ Picture::Picture(const std::array<GLint, 4>& viewport) : viewport_(viewport), ha
   const Functions& gl = real();
   const auto pixels = static_cast<size_t>(viewport[2]) * static_cast<size_t>(viewport[3]);
   const auto read = [&](GLenum format, GLenum type, void* to) { gl.ReadPixels(viewport[0], viewport[1], viewport[2], viewport[3], format, type, to); };
+  gl.PushClientAttrib(GL_CLIENT_PIXEL_STORE_BIT);
+  if (gl.BindBuffer) gl.BindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  for (const GLenum name : {GL_PACK_ROW_LENGTH, GL_PACK_SKIP_ROWS, GL_PACK_SKIP_PIXELS, GL_PACK_SWAP_BYTES}) gl.PixelStorei(name, 0);
   gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   colors_.resize(4 * pixels);
   depth_.resize(pixels);
   read(GL_RGBA, GL_UNSIGNED_BYTE, colors_.data());
   read(GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, depth_.data());
-  if (!has_stencil_) return;
-  stencil_.resize(pixels);
-  read(GL_STENCIL_INDEX, GL_UNSIGNED_BYTE, stencil_.data());
+  if (has_stencil_) {
+    stencil_.resize(pixels);
+    read(GL_STENCIL_INDEX, GL_UNSIGNED_BYTE, stencil_.data());
+  }
+  gl.PopClientAttrib();
 }
 
 void Picture::restore() const {

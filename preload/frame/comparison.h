@@ -14,7 +14,7 @@ namespace sideray::run {
 class Picture {
  public:
   explicit Picture(const std::array<GLint, 4>& viewport);
-  // Puts all of it back. Changes no state but the pixel store's.
+  // Puts all of it back. Changes how pixels are unpacked, and no other state.
   void restore() const;
   bool write(const std::string& path) const;
 

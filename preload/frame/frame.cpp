@@ -107,6 +107,7 @@ Decision Frame::decide(const DrawState& state, const Geometry* geometry, uint64_
   survey_.note(texture, mesh, state, decision.taking, decision.rule);
   if (decision.taking == Taking::reflects) tracing_ = true, frames_without_ = 0;
   if (settings().off && decision.holds()) decision.taking = Taking::left;
+  if (compares_ && !is_holding() && decision.holds()) start_.emplace(state.viewport);
   decision.in_turn = compares_ && is_holding() && !decision.holds();
   return decision;
 }
@@ -273,12 +274,10 @@ void Frame::draw_marks() {
     }
 }
 
-// Once in the order of the program, and once as ever: what is opaque, rays, what waited for them.
+// The program has drawn all in its order; now as ever: what is opaque, rays, what waited for them.
 void Frame::draw_both_ways() {
-  const Picture start(viewport_);
-  draw_held(Draws::all, false);
   const Picture own(viewport_);
-  start.restore();
+  start_->restore();
   draw_held(Draws::in_turn, false);
   const bool with_rays = try_to_trace();
   const Picture opaque(viewport_);
@@ -304,7 +303,8 @@ bool Frame::try_to_trace() {
 }
 
 void Frame::compare_no_more() {
-  if (!compares_) return;
+  if (!compares_ || held_.empty()) return;
+  if (const AllState all; all.saved()) start_->restore();
   compares_ = false;
   flush();
 }
@@ -330,6 +330,7 @@ void Frame::flush() {
   held_.clear();
   flushing_ = holds_stencil_ = false;
   compares_ = false;
+  start_.reset();
 }
 
 void Frame::end() {

@@ -23,7 +23,7 @@ struct Decision {
   Taking taking = Taking::left;
   Rule rule;
   bool is_seen = false;   // rays see it
-  bool in_turn = false;   // it is held back only for the frame to be drawn both ways: it is no part of what waits for rays
+  bool in_turn = false;   // it is kept only for the frame to be drawn both ways: it is no part of what waits for rays
   bool holds() const { return taking == Taking::reflects || taking == Taking::held || in_turn; }
 };
 
@@ -51,6 +51,8 @@ class Frame {
   void show(Piece piece, const float tint[4]);
   // Holds a draw back: of arrays, or of a display list where `list` is not 0.
   void hold(std::vector<Piece> pieces, GLuint list, const float tint[4]);
+  // The frame is drawn both ways: draws that are held back are made in their turn too, for the program's own picture.
+  bool compares() const { return compares_; }
   // A draw that comes now cannot be held back: the frame is not drawn both ways.
   void compare_no_more();
 
@@ -122,6 +124,7 @@ class Frame {
   bool tracing_ = false;     // frames have reflecting surfaces: opaque draws are captured
   bool holds_stencil_ = false;  // what is held back tests the stencil, and may write it
   bool compares_ = false;    // this frame is drawn both ways
+  std::optional<Picture> start_;  // before the first draw that is held back, where it is
   int frames_without_ = 0;
   uint64_t number_ = 0;
   std::string ended_, renderer_;

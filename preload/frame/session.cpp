@@ -79,7 +79,7 @@ bool Session::begin(GLenum mode) {
     decision_ = frame_.decide(state_, nullptr, 0);
     if (!frame_.wants(decision_)) return false;
     next_ = read_attributes();
-    held_ = decision_.holds();
+    held_ = decision_.holds() && !frame_.compares();
   }
   geometry_ = Geometry();
   geometry_.mode = mode;
@@ -89,7 +89,6 @@ bool Session::begin(GLenum mode) {
 
 void Session::end() {
   if (!open_) return;
-  const bool was_held = held_;
   open_ = held_ = false;
   if (geometry_.vertices.empty()) return;
   if (lists_.is_recording()) {
@@ -98,7 +97,7 @@ void Session::end() {
   }
   const uint64_t hash = hash_of(geometry_, state_.counted());
   Piece piece{std::make_shared<const Geometry>(std::move(geometry_)), hash, state_, decision_};
-  if (was_held)
+  if (decision_.holds())
     frame_.hold({std::move(piece)}, 0, untinted);
   else if (!piece.state.blend || !piece.state.shows_colors() || piece.geometry->is_opaque() || piece.decision.taking == Taking::sky)
     frame_.show(std::move(piece), untinted);
@@ -134,7 +133,7 @@ bool Session::take(const std::function<std::shared_ptr<const Geometry>()>& read)
     frame_.hold({std::move(piece)}, 0, untinted);
   else
     frame_.show(std::move(piece), untinted);
-  return decision.holds();
+  return decision.holds() && !frame_.compares();
 }
 
 bool Session::pass_unread() {
@@ -157,6 +156,7 @@ bool Session::call_list(GLuint list) {
   if (holds && lists_.can_be_held(list)) {
     const Piece last = pieces.back();
     frame_.hold(std::move(pieces), list, current);
+    if (frame_.compares()) return false;
     leave_as_drawn(last);
     return true;
   }
