@@ -5,11 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "preload/gl/entry_points.h"
+#include "preload/gl/functions.h"
 
 namespace sideray::run {
-
-constexpr int kept_units = 4;  // of texture, whose coordinates are kept
 
 struct Vertex {
   float position[4] = {0, 0, 0, 1};

@@ -8,8 +8,6 @@
 #include <cstdlib>
 #include <string>
 
-#include "preload/capture/geometry.h"
-
 namespace sideray::run {
 namespace {
 

@@ -5,6 +5,8 @@
 
 namespace sideray::run {
 
+constexpr int kept_units = 4;  // of texture, whose state and coordinates are kept
+
 struct Functions {
 #define MEMBER(name) decltype(&::gl##name) name = nullptr;
   SIDERAY_RUN_CALLED(MEMBER)

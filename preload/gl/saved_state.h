@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "preload/capture/geometry.h"
+#include "preload/gl/functions.h"
 
 namespace sideray::run {
 
