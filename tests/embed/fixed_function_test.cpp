@@ -184,7 +184,8 @@ class FixedFunction : public testing::Test {
     std::vector<glm::vec4> colors;
     const glm::mat3 world_from_eye(glm::inverse(eye_from_world));
     for (const Point& p : points)
-      for (const glm::vec2 corner : {glm::vec2(-1, -1), {1, -1}, {1, 1}, {-1, -1}, {1, 1}, {-1, 1}}) {
+      for (glm::vec2 corner : {glm::vec2(-1, -1), {1, -1}, {1, 1}, {-1, -1}, {1, 1}, {-1, 1}}) {
+        if (is_left_handed && !keeps_winding) std::swap(corner.x, corner.y);  // clockwise ones face front
         positions.push_back(glm::vec3(p.place) + world_from_eye * glm::vec3(0.003f * corner, 0));
         normals.push_back(p.normal);
         colors.push_back(p.color);
@@ -319,7 +320,8 @@ class FixedFunction : public testing::Test {
   std::vector<Point> points;
   const glm::dvec3 eye{0.3, 0.2, 3};
   const glm::dmat4 clip_from_eye = glm::perspective(0.9, double{GlassHost::width} / GlassHost::height, 0.1, 50.0);
-  const glm::dmat4 eye_from_world = glm::lookAt(eye, glm::dvec3(0), glm::dvec3(0, 1, 0));
+  glm::dmat4 eye_from_world = glm::lookAt(eye, glm::dvec3(0), glm::dvec3(0, 1, 0));
+  bool is_left_handed = false, keeps_winding = false;
 
  private:
   gl::Renderbuffer depth_;
@@ -413,6 +415,27 @@ TEST_F(FixedTerms, TextureEnvironments) {
     look.model.separate_specular = 1;
     expect_parity(look, "the same with colours, apart " + std::to_string(environment));
   }
+}
+
+// The same world with its z the other way, as left-handed engines have it: docs/fixed-function.md.
+TEST_F(FixedFunction, LeftHandedWorldsLookTheSame) {
+  Look look;
+  for (const int kind : {0, 1, 2}) look.lights.push_back(random_light(kind));
+  numbers.color(look.material.specular, 1), look.material.shininess = 8;
+  const GlassHost::Picture right = trace(look);
+  is_left_handed = true;
+  eye_from_world = glm::scale(eye_from_world, glm::dvec3(1, 1, -1));
+  for (Point& p : points) p.place.z = -p.place.z, p.normal.z = -p.normal.z;
+  for (sideray_fixed_light& l : look.lights) l.position[2] = -l.position[2], l.spot_direction[2] = -l.spot_direction[2];
+  const auto apart = [&](const GlassHost::Picture& left) {
+    float most = 0;
+    for (int i = 0; i < point_count; ++i)
+      for (int c = 0; c < 4; ++c) most = std::max(most, std::abs(left[texel(i)][c] - right[texel(i)][c]));
+    return most / code;
+  };
+  EXPECT_LT(apart(trace(look)), 0.1f);
+  keeps_winding = true;
+  EXPECT_GT(apart(trace(look)), 10.0f) << "counter-clockwise triangles show their backs there";
 }
 
 // glAlphaFunc(GL_GEQUAL, ...) is SIDERAY_MASK: rays hit just those of all 256 alphas that OpenGL draws.
