@@ -271,6 +271,7 @@ Command add_run(CLI::App& program) {
   app->add_option("--report", arguments->report, "writes what was met and what it was taken for")->type_name("PAGE.html");
   app->add_option("--capture", arguments->capture, "writes the scene of a frame with rays")->type_name("FILE.glb");
   app->add_option("--pictures", arguments->pictures, "writes frames without and with rays into a folder")->type_name("DIR");
+  app->add_flag("--late", arguments->late, "waits for no rays: shows those of an earlier frame");
   app->add_flag("--off", arguments->off, "looks on alone: the program's own picture");
   app->add_option("PROGRAM", arguments->words, "behind --, with its arguments");
   return {app, [arguments] { return run_program(*arguments); }};

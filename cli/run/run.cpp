@@ -52,6 +52,7 @@ int run_program(const RunArguments& arguments) {
   set("SIDERAY_RUN_CAPTURE", absolute(arguments.capture));
   set("SIDERAY_RUN_PICTURES", absolute(arguments.pictures));
   set("SIDERAY_RUN_OFF", arguments.off ? "1" : "");
+  set("SIDERAY_RUN_LATE", arguments.late ? "1" : "");
   preload(library_path());
   std::vector<char*> words;
   for (const std::string& word : arguments.words) words.push_back(const_cast<char*>(word.c_str()));

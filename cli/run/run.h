@@ -9,7 +9,7 @@ namespace sideray::cli {
 struct RunArguments {
   std::vector<std::string> words;  // the program and its arguments
   std::string rules, report, capture, pictures;
-  bool off = false;
+  bool off = false, late = false;
 };
 
 // Becomes the program; returns only where it cannot.

@@ -28,6 +28,7 @@ class Rules {
   static Rules read(const std::string& path);
   // A mesh's rule goes before its texture's. Kind::unknown where there is neither.
   Rule find(uint64_t texture, uint64_t mesh) const;
+  bool has_meshes() const { return !meshes_.empty(); }
 
  private:
   void add(const std::string& line, const std::string& where);

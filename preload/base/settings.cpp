@@ -15,7 +15,7 @@ std::string variable(const char* name) {
 }  // namespace
 
 const Settings& settings() {
-  static const Settings all = {variable("SIDERAY_RUN_OFF") == "1", variable("SIDERAY_RUN_RULES"),
+  static const Settings all = {variable("SIDERAY_RUN_OFF") == "1", variable("SIDERAY_RUN_LATE") == "1", variable("SIDERAY_RUN_RULES"),
                                variable("SIDERAY_RUN_REPORT"), variable("SIDERAY_RUN_CAPTURE"),
                                variable("SIDERAY_RUN_PICTURES")};
   return all;

@@ -6,7 +6,8 @@
 namespace sideray::run {
 
 struct Settings {
-  bool off = false;  // nothing is held back: the program's own picture
+  bool off = false;   // nothing is held back: the program's own picture
+  bool late = false;  // nothing waits: answers of an earlier frame are drawn
   std::string rules, report, capture, pictures;  // files and a folder; empty = none
 };
 

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <numeric>
 
+#include "preload/base/hash.h"
 #include "preload/capture/attributes.h"
 #include "preload/gl/functions.h"
 
@@ -66,21 +67,43 @@ uint32_t index_at(const char* data, GLenum type, size_t i) {
   return value;
 }
 
+// Makes the indices count the vertices that are named, and no others (many draws share one buffer). Returns their places.
+std::vector<uint32_t> compact(std::vector<uint32_t>& indices) {
+  const auto [least, most] = std::minmax_element(indices.begin(), indices.end());
+  const uint32_t first = *least;
+  const size_t range = size_t{*most} - first + 1;
+  std::vector<uint32_t> places;
+  if (range <= 16 * indices.size() + 4096) {
+    std::vector<uint32_t> place_of(range, 0);
+    for (const uint32_t index : indices) place_of[index - first] = 1;
+    for (size_t i = 0; i < range; ++i)
+      if (place_of[i] != 0) place_of[i] = static_cast<uint32_t>(places.size()), places.push_back(first + static_cast<uint32_t>(i));
+    for (uint32_t& index : indices) index = place_of[index - first];
+    return places;
+  }
+  places = indices;
+  std::sort(places.begin(), places.end());
+  places.erase(std::unique(places.begin(), places.end()), places.end());
+  for (uint32_t& index : indices) index = static_cast<uint32_t>(std::lower_bound(places.begin(), places.end(), index) - places.begin());
+  return places;
+}
+
 }  // namespace
 
-const std::vector<char>& Arrays::buffer(GLuint name) {
+const Arrays::Buffer& Arrays::buffer(GLuint name) {
   const auto found = buffers_.find(name);
   if (found != buffers_.end()) return found->second;
   const Functions& gl = real();
-  std::vector<char>& bytes = buffers_[name];
+  Buffer& read = buffers_[name];
+  read.version = next_version_++;
   const auto bound = static_cast<GLuint>(get_integer(GL_ARRAY_BUFFER_BINDING));
   gl.BindBuffer(GL_ARRAY_BUFFER, name);
   GLint size = 0;
   gl.GetBufferParameteriv(GL_ARRAY_BUFFER, GL_BUFFER_SIZE, &size);
-  bytes.resize(static_cast<size_t>(std::max(size, 0)));
-  if (size > 0) gl.GetBufferSubData(GL_ARRAY_BUFFER, 0, size, bytes.data());
+  read.bytes.resize(static_cast<size_t>(std::max(size, 0)));
+  if (size > 0) gl.GetBufferSubData(GL_ARRAY_BUFFER, 0, size, read.bytes.data());
   gl.BindBuffer(GL_ARRAY_BUFFER, bound);
-  return bytes;
+  return read;
 }
 
 Arrays::Array Arrays::find(GLenum array, GLenum size, GLenum type, GLenum stride, GLenum pointer, GLenum buffer_binding) {
@@ -96,14 +119,35 @@ Arrays::Array Arrays::find(GLenum array, GLenum size, GLenum type, GLenum stride
   found.data = static_cast<const char*>(data);
   const auto name = static_cast<GLuint>(gl.BindBuffer ? get_integer(buffer_binding) : 0);
   if (name == 0) return found;
-  const std::vector<char>& bytes = buffer(name);
-  found.data = bytes.data() + reinterpret_cast<size_t>(data);
-  found.end = bytes.data() + bytes.size();
+  const Buffer& read = buffer(name);
+  found.version = read.version;
+  found.data = read.bytes.data() + reinterpret_cast<size_t>(data);
+  found.end = read.bytes.data() + read.bytes.size();
   return found;
 }
 
-void Arrays::fill(std::vector<Vertex>& vertices, const std::vector<uint32_t>& places) {
+Arrays::Source Arrays::find_source() {
   const Functions& gl = real();
+  Source source;
+  source.current = read_attributes();
+  source.color = find(GL_COLOR_ARRAY, GL_COLOR_ARRAY_SIZE, GL_COLOR_ARRAY_TYPE, GL_COLOR_ARRAY_STRIDE, GL_COLOR_ARRAY_POINTER,
+                      GL_COLOR_ARRAY_BUFFER_BINDING);
+  source.normal = find(GL_NORMAL_ARRAY, 0, GL_NORMAL_ARRAY_TYPE, GL_NORMAL_ARRAY_STRIDE, GL_NORMAL_ARRAY_POINTER,
+                       GL_NORMAL_ARRAY_BUFFER_BINDING);
+  source.position = find(GL_VERTEX_ARRAY, GL_VERTEX_ARRAY_SIZE, GL_VERTEX_ARRAY_TYPE, GL_VERTEX_ARRAY_STRIDE, GL_VERTEX_ARRAY_POINTER,
+                         GL_VERTEX_ARRAY_BUFFER_BINDING);
+  const auto active = static_cast<GLenum>(get_integer(GL_CLIENT_ACTIVE_TEXTURE));
+  for (int unit = 0; unit < texture_units(); ++unit) {
+    gl.ClientActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+    source.uv[unit] = find(GL_TEXTURE_COORD_ARRAY, GL_TEXTURE_COORD_ARRAY_SIZE, GL_TEXTURE_COORD_ARRAY_TYPE, GL_TEXTURE_COORD_ARRAY_STRIDE,
+                           GL_TEXTURE_COORD_ARRAY_POINTER, GL_TEXTURE_COORD_ARRAY_BUFFER_BINDING);
+  }
+  gl.ClientActiveTexture(active);
+  return source;
+}
+
+std::vector<Vertex> Arrays::fetch(const Source& source, const std::vector<uint32_t>& places) {
+  std::vector<Vertex> vertices(places.size(), source.current);
   const auto take = [&](const Array& array, bool is_normalized, auto&& target) {
     if (!array.data) return;
     const size_t component_size = size_of(array.type);
@@ -115,62 +159,78 @@ void Arrays::fill(std::vector<Vertex>& vertices, const std::vector<uint32_t>& pl
       for (int c = 0; c < array.size; ++c) values[c] = component(at + static_cast<size_t>(c) * component_size, array.type, is_normalized);
     }
   };
-  const Array color = find(GL_COLOR_ARRAY, GL_COLOR_ARRAY_SIZE, GL_COLOR_ARRAY_TYPE, GL_COLOR_ARRAY_STRIDE, GL_COLOR_ARRAY_POINTER,
-                           GL_COLOR_ARRAY_BUFFER_BINDING);
-  if (color.data && color.size == 3)
+  if (source.color.data && source.color.size == 3)
     for (Vertex& vertex : vertices) vertex.color[3] = 1;
-  take(color, true, [](Vertex& v) { return v.color; });
-  take(find(GL_NORMAL_ARRAY, 0, GL_NORMAL_ARRAY_TYPE, GL_NORMAL_ARRAY_STRIDE, GL_NORMAL_ARRAY_POINTER, GL_NORMAL_ARRAY_BUFFER_BINDING),
-       true, [](Vertex& v) { return v.normal; });
-  take(find(GL_VERTEX_ARRAY, GL_VERTEX_ARRAY_SIZE, GL_VERTEX_ARRAY_TYPE, GL_VERTEX_ARRAY_STRIDE, GL_VERTEX_ARRAY_POINTER,
-            GL_VERTEX_ARRAY_BUFFER_BINDING),
-       false, [](Vertex& v) { return v.position; });
-  const auto active = static_cast<GLenum>(get_integer(GL_CLIENT_ACTIVE_TEXTURE));
-  for (GLenum unit = 0; unit < 2; ++unit) {
-    gl.ClientActiveTexture(GL_TEXTURE0 + unit);
-    const Array uv = find(GL_TEXTURE_COORD_ARRAY, GL_TEXTURE_COORD_ARRAY_SIZE, GL_TEXTURE_COORD_ARRAY_TYPE, GL_TEXTURE_COORD_ARRAY_STRIDE,
-                          GL_TEXTURE_COORD_ARRAY_POINTER, GL_TEXTURE_COORD_ARRAY_BUFFER_BINDING);
-    if (uv.data)
+  take(source.color, true, [](Vertex& v) { return v.color; });
+  take(source.normal, true, [](Vertex& v) { return v.normal; });
+  take(source.position, false, [](Vertex& v) { return v.position; });
+  for (size_t unit = 0; unit < kept_units; ++unit) {
+    if (source.uv[unit].data)
       for (Vertex& vertex : vertices) vertex.uv[unit][1] = vertex.uv[unit][2] = 0, vertex.uv[unit][3] = 1;
-    take(uv, false, [unit](Vertex& v) { return v.uv[unit]; });
+    take(source.uv[unit], false, [unit](Vertex& v) { return v.uv[unit]; });
   }
-  gl.ClientActiveTexture(active);
+  return vertices;
 }
 
-Geometry Arrays::read(GLenum mode, GLint first, GLsizei count) {
-  Geometry geometry;
-  geometry.mode = mode;
-  geometry.vertices.assign(static_cast<size_t>(std::max(count, 0)), read_attributes());
-  std::vector<uint32_t> places(geometry.vertices.size());
-  std::iota(places.begin(), places.end(), static_cast<uint32_t>(std::max(first, 0)));
-  fill(geometry.vertices, places);
-  return geometry;
+void Arrays::hash_source(const Source& source, uint64_t& hash, bool& lies_in_buffers) {
+  const auto add = [&](const Array& array) {
+    if (array.data && array.version == 0) lies_in_buffers = false;
+    const size_t place = array.version == 0 ? 0 : static_cast<size_t>(array.end - array.data);
+    for (const uint64_t word : {array.version, uint64_t{place}, uint64_t{array.type}, static_cast<uint64_t>(array.size), uint64_t{array.stride}})
+      hash = mix(hash, word);
+  };
+  for (const Array* array : {&source.position, &source.normal, &source.color}) add(*array);
+  for (const Array& array : source.uv) add(array);
+  hash = hash_bytes(&source.current, sizeof(source.current), hash);
 }
 
-std::optional<Geometry> Arrays::read_indexed(GLenum mode, GLsizei count, GLenum type, const void* indices) {
-  if (type != GL_UNSIGNED_BYTE && type != GL_UNSIGNED_SHORT && type != GL_UNSIGNED_INT) return std::nullopt;
+template <typename Make>
+std::shared_ptr<const Geometry> Arrays::keep(const Source& source, uint64_t draw, bool lies_in_buffers, Make&& make) {
+  hash_source(source, draw, lies_in_buffers);
+  if (lies_in_buffers)
+    if (const auto found = kept_.find(draw); found != kept_.end()) return found->second;
+  std::shared_ptr<const Geometry> made = std::make_shared<const Geometry>(make());
+  if (!lies_in_buffers) return made;
+  if (kept_.size() >= most_kept) kept_.clear();
+  kept_.emplace(draw, made);
+  return made;
+}
+
+std::shared_ptr<const Geometry> Arrays::read(GLenum mode, GLint first, GLsizei count) {
+  const Source source = find_source();
+  const uint64_t draw = mix(mix(mode, static_cast<uint64_t>(first)), static_cast<uint64_t>(count));
+  return keep(source, draw, true, [&] {
+    Geometry geometry;
+    geometry.mode = mode;
+    std::vector<uint32_t> places(static_cast<size_t>(std::max(count, 0)));
+    std::iota(places.begin(), places.end(), static_cast<uint32_t>(std::max(first, 0)));
+    geometry.vertices = fetch(source, places);
+    return geometry;
+  });
+}
+
+std::shared_ptr<const Geometry> Arrays::read_indexed(GLenum mode, GLsizei count, GLenum type, const void* indices) {
+  if (type != GL_UNSIGNED_BYTE && type != GL_UNSIGNED_SHORT && type != GL_UNSIGNED_INT) return {};
   const char* data = static_cast<const char*>(indices);
   const auto length = static_cast<size_t>(std::max(count, 0));
+  uint64_t version = 0;
+  const auto offset = reinterpret_cast<size_t>(indices);
   if (const auto name = static_cast<GLuint>(real().BindBuffer ? get_integer(GL_ELEMENT_ARRAY_BUFFER_BINDING) : 0); name != 0) {
-    const std::vector<char>& bytes = buffer(name);
-    const size_t offset = reinterpret_cast<size_t>(indices);
-    if (offset + length * size_of(type) > bytes.size()) return std::nullopt;
-    data = bytes.data() + offset;
+    const Buffer& read = buffer(name);
+    if (offset + length * size_of(type) > read.bytes.size()) return {};
+    data = read.bytes.data() + offset;
+    version = read.version;
   }
-  Geometry geometry;
-  geometry.mode = mode;
-  if (length == 0) return geometry;
-  geometry.indices.resize(length);
-  for (size_t i = 0; i < length; ++i) geometry.indices[i] = index_at(data, type, i);
-  // The vertices that are named, and no others: many draws share one buffer.
-  std::vector<uint32_t> places = geometry.indices;
-  std::sort(places.begin(), places.end());
-  places.erase(std::unique(places.begin(), places.end()), places.end());
-  for (uint32_t& index : geometry.indices)
-    index = static_cast<uint32_t>(std::lower_bound(places.begin(), places.end(), index) - places.begin());
-  geometry.vertices.assign(places.size(), read_attributes());
-  fill(geometry.vertices, places);
-  return geometry;
+  const Source source = find_source();
+  const uint64_t draw = mix(mix(mix(mix(mode, type), version), offset), length);
+  return keep(source, draw, version != 0, [&] {
+    Geometry geometry;
+    geometry.mode = mode;
+    geometry.indices.resize(length);
+    for (size_t i = 0; i < length; ++i) geometry.indices[i] = index_at(data, type, i);
+    if (length > 0) geometry.vertices = fetch(source, compact(geometry.indices));
+    return geometry;
+  });
 }
 
 }  // namespace sideray::run

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include "preload/capture/geometry.h"
@@ -12,27 +14,47 @@ namespace sideray::run {
 class Arrays {
  public:
   // Vertices first .. first + count - 1 of the enabled arrays.
-  Geometry read(GLenum mode, GLint first, GLsizei count);
-  // The vertices that indices name. Empty where the type of the indices is none of OpenGL's.
-  std::optional<Geometry> read_indexed(GLenum mode, GLsizei count, GLenum type, const void* indices);
+  std::shared_ptr<const Geometry> read(GLenum mode, GLint first, GLsizei count);
+  // The vertices that indices name. Null where the type of the indices is none of OpenGL's, or they lie outside of
+  // their buffer.
+  std::shared_ptr<const Geometry> read_indexed(GLenum mode, GLsizei count, GLenum type, const void* indices);
   // The contents of the buffer changed.
   void changed(GLuint buffer) { buffers_.erase(buffer); }
-  void clear() { buffers_.clear(); }
+  void clear() { buffers_.clear(), kept_.clear(); }
 
  private:
+  struct Buffer {
+    std::vector<char> bytes;
+    uint64_t version = 0;  // no two contents of any buffer have the same
+  };
   struct Array {
     const char* data = nullptr;  // null: not enabled
     const char* end = nullptr;   // of its buffer; null: it lies in the program's memory
+    uint64_t version = 0;        // of its buffer; 0 = none
     GLint size = 4;
     GLenum type = GL_FLOAT;
     size_t stride = 0;
   };
-  Array find(GLenum array, GLenum size, GLenum type, GLenum stride, GLenum pointer, GLenum buffer);
-  const std::vector<char>& buffer(GLuint name);
-  // Vertex i is the arrays' element places[i].
-  void fill(std::vector<Vertex>& vertices, const std::vector<uint32_t>& places);
+  // All that are enabled, and the attributes that the others leave as they are.
+  struct Source {
+    Array position, normal, color, uv[kept_units];
+    Vertex current;
+  };
+  static constexpr size_t most_kept = 4096;
 
-  std::map<GLuint, std::vector<char>> buffers_;
+  Source find_source();
+  Array find(GLenum array, GLenum size, GLenum type, GLenum stride, GLenum pointer, GLenum buffer);
+  const Buffer& buffer(GLuint name);
+  // Vertex i is the arrays' element places[i].
+  static std::vector<Vertex> fetch(const Source& source, const std::vector<uint32_t>& places);
+  static void hash_source(const Source& source, uint64_t& hash, bool& lies_in_buffers);
+  // The geometry that `make` returns; where all of it lies in buffers, it is made once.
+  template <typename Make>
+  std::shared_ptr<const Geometry> keep(const Source& source, uint64_t draw, bool lies_in_buffers, Make&& make);
+
+  uint64_t next_version_ = 1;
+  std::map<GLuint, Buffer> buffers_;
+  std::unordered_map<uint64_t, std::shared_ptr<const Geometry>> kept_;
 };
 
 }  // namespace sideray::run

@@ -11,8 +11,8 @@ Vertex read_attributes() {
   gl.GetFloatv(GL_CURRENT_NORMAL, vertex.normal);
   GLint active = GL_TEXTURE0;
   gl.GetIntegerv(GL_ACTIVE_TEXTURE, &active);
-  for (GLenum unit = 0; unit < 2; ++unit) {
-    gl.ActiveTexture(GL_TEXTURE0 + unit);
+  for (int unit = 0; unit < texture_units(); ++unit) {
+    gl.ActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
     gl.GetFloatv(GL_CURRENT_TEXTURE_COORDS, vertex.uv[unit]);
   }
   gl.ActiveTexture(static_cast<GLenum>(active));

@@ -1,19 +1,64 @@
 #include "preload/capture/draw_state.h"
 
+#include <cstring>
+
 #include "preload/gl/functions.h"
 
 namespace sideray::run {
 namespace {
 
+bool is_identity(const Matrix& m) {
+  for (size_t i = 0; i < 16; ++i)
+    if (m[i] != (i % 5 == 0 ? 1.0f : 0.0f)) return false;
+  return true;
+}
+
+std::shared_ptr<const TextureCoordinates> read_coordinates() {
+  const Functions& gl = real();
+  TextureCoordinates read;
+  gl.GetFloatv(GL_TEXTURE_MATRIX, read.matrix.data());
+  bool changes = !is_identity(read.matrix);
+  for (GLenum c = 0; c < 4; ++c) {
+    read.generated[c] = is_enabled(GL_TEXTURE_GEN_S + c);
+    if (!read.generated[c]) continue;
+    changes = true;
+    GLint mode = 0;
+    gl.GetTexGeniv(GL_S + c, GL_TEXTURE_GEN_MODE, &mode);
+    read.mode[c] = static_cast<GLenum>(mode);
+    gl.GetTexGenfv(GL_S + c, GL_OBJECT_PLANE, read.object_plane[c]);
+    gl.GetTexGenfv(GL_S + c, GL_EYE_PLANE, read.eye_plane[c]);
+  }
+  return changes ? std::make_shared<const TextureCoordinates>(read) : nullptr;
+}
+
+void read_texture(TextureUnit& unit) {
+  unit.texture = static_cast<GLuint>(get_integer(GL_TEXTURE_BINDING_2D));
+  GLint environment = GL_MODULATE;
+  real().GetTexEnviv(GL_TEXTURE_ENV, GL_TEXTURE_ENV_MODE, &environment);
+  unit.replaces = environment == GL_REPLACE || environment == GL_DECAL;
+  unit.coordinates = read_coordinates();
+}
+
+void read_fog(Fog& fog) {
+  const Functions& gl = real();
+  fog.on = is_enabled(GL_FOG);
+  if (!fog.on) return;
+  fog.mode = get_integer(GL_FOG_MODE);
+  gl.GetFloatv(GL_FOG_DENSITY, &fog.density);
+  gl.GetFloatv(GL_FOG_START, &fog.start);
+  gl.GetFloatv(GL_FOG_END, &fog.end);
+  gl.GetFloatv(GL_FOG_COLOR, fog.color);
+}
+
 void read_texture_units(DrawState& state) {
   const Functions& gl = real();
   const GLint active = get_integer(GL_ACTIVE_TEXTURE);
-  for (int unit = 0; unit < 2; ++unit) {
-    const GLenum name = GL_TEXTURE0 + static_cast<GLenum>(unit);
+  for (int i = 0; i < texture_units(); ++i) {
+    const GLenum name = GL_TEXTURE0 + static_cast<GLenum>(i);
     if (active != static_cast<GLint>(name)) gl.ActiveTexture(name);
-    state.textured[unit] = is_enabled(GL_TEXTURE_2D);
-    if (state.textured[unit]) state.texture[unit] = static_cast<GLuint>(get_integer(GL_TEXTURE_BINDING_2D));
-    if (unit == 0) state.generated_uv = state.textured[0] && is_enabled(GL_TEXTURE_GEN_S);
+    TextureUnit& unit = state.units[static_cast<size_t>(i)];
+    unit.textured = is_enabled(GL_TEXTURE_2D);
+    if (unit.textured) read_texture(unit);
     if (active != static_cast<GLint>(name)) gl.ActiveTexture(static_cast<GLenum>(active));
   }
 }
@@ -43,6 +88,22 @@ void read_light(GLenum name, FixedLight& light) {
 
 }  // namespace
 
+int DrawState::unit_of_layer(int layer) const {
+  for (const bool plain : {true, false})
+    for (int i = 0; i < kept_units; ++i) {
+      const TextureUnit& unit = units[static_cast<size_t>(i)];
+      if (unit.texture != 0 && plain == !unit.coordinates && layer-- == 0) return i;
+    }
+  return -1;
+}
+
+Counted DrawState::counted() const {
+  Counted counted = {shows_colors(), lighting, 0};
+  for (unsigned i = 0; i < kept_units; ++i)
+    if (units[i].textured) counted.units |= 1u << i, counted.normals = counted.normals || units[i].coordinates;
+  return counted;
+}
+
 DrawState read_draw_state() {
   const Functions& gl = real();
   DrawState state;
@@ -56,6 +117,7 @@ DrawState read_draw_state() {
   state.depth_test = is_enabled(GL_DEPTH_TEST);
   state.depth_write = get_integer(GL_DEPTH_WRITEMASK) != 0;
   state.depth_func = static_cast<GLenum>(get_integer(GL_DEPTH_FUNC));
+  state.stencil_test = is_enabled(GL_STENCIL_TEST);
   state.alpha_test = is_enabled(GL_ALPHA_TEST);
   if (state.alpha_test) gl.GetFloatv(GL_ALPHA_TEST_REF, &state.alpha_reference);
   GLboolean mask[4] = {};
@@ -65,21 +127,23 @@ DrawState read_draw_state() {
   state.lighting = is_enabled(GL_LIGHTING);
   state.color_material = state.lighting && is_enabled(GL_COLOR_MATERIAL);
   if (state.lighting) read_material(state.material);
+  read_fog(state.fog);
   float color[4] = {1, 1, 1, 1};
   gl.GetFloatv(GL_CURRENT_COLOR, color);
   state.alpha = state.shows_colors() ? color[3] : state.material.diffuse[3];
   return state;
 }
 
-Lighting read_lighting() {
+std::shared_ptr<const Lighting> read_lighting() {
+  static std::shared_ptr<const Lighting> last;
   const Functions& gl = real();
   Lighting lighting;
   for (GLenum i = 0; i < 8; ++i)
     if (is_enabled(GL_LIGHT0 + i)) read_light(GL_LIGHT0 + i, lighting.light[lighting.lights++]);
   gl.GetFloatv(GL_LIGHT_MODEL_AMBIENT, lighting.scene_ambient);
-  lighting.two_sided = get_integer(GL_LIGHT_MODEL_TWO_SIDE);
   lighting.local_viewer = get_integer(GL_LIGHT_MODEL_LOCAL_VIEWER);
-  return lighting;
+  if (!last || std::memcmp(last.get(), &lighting, sizeof(lighting)) != 0) last = std::make_shared<const Lighting>(lighting);
+  return last;
 }
 
 }  // namespace sideray::run

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <array>
+#include <memory>
 
-#include "preload/gl/entry_points.h"
+#include "preload/capture/geometry.h"
 
 namespace sideray::run {
 
@@ -13,12 +14,12 @@ struct FixedLight {
   float ambient[4], diffuse[4], specular[4], position[4], spot_direction[3], spot_exponent, spot_cutoff, attenuation[3];
 };
 
-// The lighting of the fixed function, all of it in eye space.
+// The lighting of the fixed function, all of it in eye space. Without padding: it is compared as bytes.
 struct Lighting {
   int lights = 0;
   FixedLight light[8] = {};
   float scene_ambient[4] = {};
-  GLint two_sided = 0, local_viewer = 0;
+  GLint local_viewer = 0;
 };
 
 struct DrawMaterial {
@@ -26,24 +27,61 @@ struct DrawMaterial {
   float emission[4] = {0, 0, 0, 1}, shininess = 0;
 };
 
+// How OpenGL makes a unit's coordinates: generated or not, and multiplied by a matrix.
+struct TextureCoordinates {
+  Matrix matrix{};
+  bool generated[4] = {};
+  GLenum mode[4] = {};
+  float object_plane[4][4] = {}, eye_plane[4][4] = {};
+};
+
+struct TextureUnit {
+  bool textured = false;  // 2D
+  GLuint texture = 0;     // 0 where it is not textured
+  bool replaces = false;  // the environment takes the texture in place of the lit colour
+  std::shared_ptr<const TextureCoordinates> coordinates;  // null: those of the vertices
+};
+
+struct Fog {
+  bool on = false;
+  GLint mode = GL_EXP;
+  float density = 1, start = 0, end = 1, color[4] = {};
+};
+
 struct DrawState {
   Matrix modelview{}, projection{};
   std::array<GLint, 4> viewport{};
-  bool blend = false, depth_test = false, depth_write = false, alpha_test = false, lighting = false, color_material = false;
-  bool textured[2] = {}, generated_uv = false, writes_color = true;
+  bool blend = false, depth_test = false, depth_write = false, alpha_test = false, stencil_test = false, lighting = false, color_material = false;
+  bool writes_color = true;
+  std::array<TextureUnit, kept_units> units;
   GLenum blend_source = GL_ONE, blend_target = GL_ZERO, depth_func = GL_LESS;
-  GLuint texture[2] = {};  // 2D, of the first two units; 0 where it is not textured
   float alpha = 1;  // of the colour that is current, or of the material that takes its place
   float alpha_reference = 0;
   GLint framebuffer = 0;
   DrawMaterial material;
+  Fog fog;
+  std::shared_ptr<const Lighting> lights;  // of a lit draw that rays see
 
+  // The unit whose texture rays see first (layer 0), and that of the second: those with coordinates of their own go before
+  // the others, which are shadows, shine and the like. -1 = none.
+  int unit_of_layer(int layer) const;
+  GLuint texture(int layer = 0) const {
+    const int unit = unit_of_layer(layer);
+    return unit < 0 ? 0 : units[static_cast<size_t>(unit)].texture;
+  }
+  // The texture takes the place of what is lit and coloured.
+  bool shows_texture_alone() const {
+    const int unit = unit_of_layer(0);
+    return unit >= 0 && units[static_cast<size_t>(unit)].replaces;
+  }
   bool is_perspective() const { return projection[11] != 0; }
   // Colours of vertices count, or are replaced by the material's.
   bool shows_colors() const { return !lighting || color_material; }
+  Counted counted() const;
 };
 
 DrawState read_draw_state();
-Lighting read_lighting();
+// Of the lights that are set now. The same as the last time where nothing has changed.
+std::shared_ptr<const Lighting> read_lighting();
 
 }  // namespace sideray::run

@@ -1,5 +1,7 @@
 #include "preload/capture/geometry.h"
 
+#include <algorithm>
+
 #include "preload/base/hash.h"
 #include "preload/gl/functions.h"
 
@@ -37,14 +39,18 @@ void set_unit(const Functions& gl, int unit, const Vertex& first) {
   gl.TexCoordPointer(4, GL_FLOAT, sizeof(Vertex), first.uv[unit]);
 }
 
-void disable_units_above_two(const Functions& gl) {
-  for (GLenum unit = 2; unit < 8; ++unit) {
+void disable_other_units(const Functions& gl) {
+  for (GLenum unit = kept_units; unit < 8; ++unit) {
     gl.ClientActiveTexture(GL_TEXTURE0 + unit);
     gl.DisableClientState(GL_TEXTURE_COORD_ARRAY);
   }
 }
 
 }  // namespace
+
+bool Geometry::is_opaque() const {
+  return std::all_of(vertices.begin(), vertices.end(), [](const Vertex& vertex) { return vertex.color[3] >= 0.99f; });
+}
 
 std::vector<uint32_t> triangles_of(const Geometry& geometry) {
   std::vector<uint32_t> triangles;
@@ -55,15 +61,20 @@ std::vector<uint32_t> triangles_of(const Geometry& geometry) {
   return triangles;
 }
 
-uint64_t hash_of(const Geometry& geometry, bool with_colors) {
-  uint64_t hash = mix(geometry.mode, with_colors);
+uint64_t hash_of(const Geometry& geometry, const Counted& counted) {
+  for (const auto& [key, hash] : geometry.hashes)
+    if (key == counted.key()) return hash;
+  uint64_t hash = mix(geometry.mode, counted.key());
   for (const Vertex& vertex : geometry.vertices) {
     hash = hash_bytes(vertex.position, sizeof(vertex.position), hash);
-    hash = hash_bytes(vertex.uv, sizeof(vertex.uv), hash);
-    hash = hash_bytes(vertex.normal, sizeof(vertex.normal), hash);
-    if (with_colors) hash = hash_bytes(vertex.color, sizeof(vertex.color), hash);
+    for (unsigned unit = 0; unit < kept_units; ++unit)
+      if (counted.units & (1u << unit)) hash = hash_bytes(vertex.uv[unit], sizeof(vertex.uv[unit]), hash);
+    if (counted.normals) hash = hash_bytes(vertex.normal, sizeof(vertex.normal), hash);
+    if (counted.colors) hash = hash_bytes(vertex.color, sizeof(vertex.color), hash);
   }
-  return hash_bytes(geometry.indices.data(), geometry.indices.size() * sizeof(uint32_t), hash);
+  hash = hash_bytes(geometry.indices.data(), geometry.indices.size() * sizeof(uint32_t), hash);
+  geometry.hashes.emplace_back(counted.key(), hash);
+  return hash;
 }
 
 void draw(const Geometry& geometry) {
@@ -77,9 +88,8 @@ void draw(const Geometry& geometry) {
   gl.VertexPointer(4, GL_FLOAT, sizeof(Vertex), first.position);
   gl.NormalPointer(GL_FLOAT, sizeof(Vertex), first.normal);
   gl.ColorPointer(4, GL_FLOAT, sizeof(Vertex), first.color);
-  disable_units_above_two(gl);
-  set_unit(gl, 1, first);
-  set_unit(gl, 0, first);
+  disable_other_units(gl);
+  for (int unit = texture_units(); unit-- > 0;) set_unit(gl, unit, first);
   const auto count = static_cast<GLsizei>(geometry.count());
   if (geometry.indices.empty())
     gl.DrawArrays(geometry.mode, 0, count);

@@ -35,7 +35,7 @@ void Lists::note(Command command) {
 }
 
 void Lists::add(Geometry geometry, bool colored) {
-  const uint64_t hash = hash_of(geometry, colored);
+  const uint64_t hash = hash_of(geometry, {.colors = colored});
   note({Command::piece, {std::make_shared<const Geometry>(std::move(geometry)), hash, colored}, 0, false, {}});
 }
 
@@ -85,13 +85,13 @@ void Lists::walk(GLuint list, Walk& walk, int depth, const Visitor& f) const {
         this->walk(command.name, walk, depth + 1, f);
         break;
       case Command::texture:
-        state.texture[0] = state.textured[0] ? command.name : 0;
+        state.units[0].texture = state.units[0].textured ? command.name : 0;
         break;
       case Command::flag:
         if (command.name == GL_LIGHTING) state.lighting = command.on;
         if (command.name == GL_BLEND) state.blend = command.on;
-        if (command.name == GL_TEXTURE_2D) state.textured[0] = command.on;
-        if (command.name == GL_TEXTURE_2D && !command.on) state.texture[0] = 0;
+        if (command.name == GL_TEXTURE_2D) state.units[0].textured = command.on;
+        if (command.name == GL_TEXTURE_2D && !command.on) state.units[0].texture = 0;
         break;
       case Command::matrix_mode:
         walk.in_modelview = command.name == GL_MODELVIEW;

@@ -48,6 +48,8 @@ void Textures::read(GLuint name, Texture& texture) {
     texture.hash = hash_bytes(texture.texels.data(), texture.texels.size(), static_cast<uint64_t>(texture.width)) | 1u;
   }
   gl.BindTexture(GL_TEXTURE_2D, static_cast<GLuint>(bound));
+  texture.covers = true;
+  for (size_t alpha = 3; alpha < texture.texels.size() && texture.covers; alpha += 4) texture.covers = texture.texels[alpha] >= 250;
 }
 
 }  // namespace sideray::run

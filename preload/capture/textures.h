@@ -10,7 +10,8 @@
 namespace sideray::run {
 
 struct Texture {
-  uint64_t hash = 0;  // 0 = no texture
+  uint64_t hash = 0;   // 0 = no texture
+  bool covers = true;  // no texel is translucent
   GLint width = 0, height = 0;
   std::vector<uint8_t> texels;  // RGBA, rows as OpenGL is given them
 };

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 
-#include "preload/base/png.h"
 #include "preload/base/settings.h"
+#include "preload/base/signals.h"
 #include "preload/gl/functions.h"
 
 namespace sideray::run {
@@ -29,47 +28,12 @@ bool multiplies(const DrawState& state) {
                          (state.blend_source == GL_ZERO && state.blend_target == GL_SRC_COLOR));
 }
 
+bool is_compared(uint64_t frame) {
+  return !settings().pictures.empty() && !settings().off && frame % frames_a_picture == 0;
+}
+
 bool is_reflector(Kind kind) {
   return kind == Kind::glass || kind == Kind::water || kind == Kind::mirror;
-}
-
-std::vector<uint8_t> read_pixels(const std::array<GLint, 4>& viewport) {
-  const Functions& gl = real();
-  std::vector<uint8_t> pixels(3 * static_cast<size_t>(viewport[2]) * static_cast<size_t>(viewport[3]));
-  gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
-  gl.ReadPixels(viewport[0], viewport[1], viewport[2], viewport[3], GL_RGB, GL_UNSIGNED_BYTE, pixels.data());
-  return pixels;
-}
-
-std::vector<uint32_t> read_depth(const std::array<GLint, 4>& viewport) {
-  std::vector<uint32_t> depth(static_cast<size_t>(viewport[2]) * static_cast<size_t>(viewport[3]));
-  real().ReadPixels(viewport[0], viewport[1], viewport[2], viewport[3], GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, depth.data());
-  return depth;
-}
-
-// Puts colours and depth back.
-void draw_pixels(const std::array<GLint, 4>& viewport, const std::vector<uint8_t>& pixels, const std::vector<uint32_t>& depth) {
-  const Functions& gl = real();
-  gl.PushAttrib(GL_ALL_ATTRIB_BITS);
-  gl.UseProgram(0);
-  for (const GLenum off : {GL_LIGHTING, GL_FOG, GL_BLEND, GL_ALPHA_TEST, GL_STENCIL_TEST, GL_DEPTH_TEST, GL_SCISSOR_TEST}) gl.Disable(off);
-  for (GLenum unit = 0; unit < 4; ++unit) {
-    gl.ActiveTexture(GL_TEXTURE0 + unit);
-    gl.Disable(GL_TEXTURE_2D);
-    gl.Disable(GL_TEXTURE_CUBE_MAP);
-  }
-  gl.ColorMask(1, 1, 1, 1);
-  gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  gl.PixelZoom(1, 1);
-  gl.WindowPos2i(viewport[0], viewport[1]);
-  gl.DrawPixels(viewport[2], viewport[3], GL_RGB, GL_UNSIGNED_BYTE, pixels.data());
-  gl.ColorMask(0, 0, 0, 0);
-  gl.Enable(GL_DEPTH_TEST);
-  gl.DepthFunc(GL_ALWAYS);
-  gl.DepthMask(1);
-  gl.DepthRange(0, 1);
-  gl.DrawPixels(viewport[2], viewport[3], GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, depth.data());
-  gl.PopAttrib();
 }
 
 // Stages of one surface have the same vertices in the same places.
@@ -79,17 +43,9 @@ bool is_same_surface(const Piece& a, const Piece& b) {
   return std::equal(u.begin(), u.end(), v.begin(), [](const Vertex& x, const Vertex& y) { return std::equal(x.position, x.position + 4, y.position); });
 }
 
-void write_picture(const std::string& path, const std::array<GLint, 4>& viewport, const std::vector<uint8_t>& pixels) {
-  const size_t stride = 3 * static_cast<size_t>(viewport[2]);
-  std::vector<uint8_t> rows;
-  for (size_t y = static_cast<size_t>(viewport[3]); y-- > 0;)
-    rows.insert(rows.end(), pixels.begin() + static_cast<std::ptrdiff_t>(y * stride), pixels.begin() + static_cast<std::ptrdiff_t>((y + 1) * stride));
-  std::ofstream(path, std::ios::binary) << png(viewport[2], viewport[3], 3, rows);
-}
-
 }  // namespace
 
-Frame::Frame() {
+Frame::Frame() : compares_(is_compared(0)) {
   try {
     if (!settings().rules.empty()) rules_ = Rules::read(settings().rules);
   } catch (const std::exception& error) {
@@ -100,7 +56,7 @@ Frame::Frame() {
 Frame::~Frame() = default;
 
 Taking Frame::taking_of(const DrawState& state, const Rule& rule) const {
-  const bool joins_later = state.blend || state.depth_func == GL_EQUAL;
+  const bool joins_later = state.blend || depends_on_held(state);
   if (rule.kind == Kind::ignore || !state.writes_color) return joins_later && is_holding() ? Taking::held : Taking::left;
   if (is_reflector(rule.kind)) return Taking::reflects;
   const bool behind_all = !state.depth_test || !state.depth_write;
@@ -110,28 +66,49 @@ Taking Frame::taking_of(const DrawState& state, const Rule& rule) const {
   return is_holding() ? Taking::held : Taking::left;
 }
 
+bool Frame::depends_on_held(const DrawState& state) const {
+  return state.depth_func == GL_EQUAL || (state.stencil_test && holds_stencil_);
+}
+
+bool Frame::covers(const DrawState& state, const Geometry* geometry, bool& has_holes) {
+  if (!blends_by_alpha(state) || !state.depth_test || !state.depth_write || depends_on_held(state)) return false;
+  if (state.shows_colors() && geometry ? !geometry->is_opaque() : state.alpha < 0.99f) return false;
+  for (int layer = 0; layer < kept_units; ++layer) has_holes = has_holes || !textures_.find(state.texture(layer)).covers;
+  return true;
+}
+
 bool Frame::has_other_view(const DrawState& state) const {
   return state.projection != projection_ || state.viewport != viewport_;
 }
 
-Decision Frame::decide(const DrawState& state, uint64_t mesh) {
+Decision Frame::decide(const DrawState& state, const Geometry* geometry, uint64_t mesh) {
   if (state.framebuffer != 0 || gave_up()) return {};
   const bool over_all = !state.is_perspective() || (!state.depth_test && (drew_opaque_ || is_holding()));
   if (over_all) {
     flush();
     return {};
   }
-  const Texture& texture = textures_.find(state.texture[0]);
+  const Texture& texture = textures_.find(state.texture());
   Decision decision;
   decision.rule = rules_.find(texture.hash, mesh);
   if (decision.rule.kind == Kind::unknown && texture.hash == 0 && looks_like_glass(state))
     decision.rule = {Kind::glass, usual_reflectance(Kind::glass), true};
   decision.taking = taking_of(state, decision.rule);
+  if (bool has_holes = false; decision.rule.kind == Kind::unknown && covers(state, geometry, has_holes)) {
+    decision.is_seen = true;
+    // What has no holes looks the same before and behind what is held back; the vertices of glBegin are not known yet.
+    if (!is_holding() || (geometry && !has_holes)) decision.taking = Taking::opaque;
+  }
+  const bool is_solid = !state.blend && state.depth_test && state.depth_write && state.depth_func != GL_EQUAL;
+  decision.is_seen = decision.is_seen || decision.taking == Taking::opaque || decision.taking == Taking::sky ||
+                     (decision.taking == Taking::held && is_solid && state.writes_color && decision.rule.kind != Kind::ignore);
   if (decision.holds() && is_holding() && has_other_view(state)) flush();
   if (decision.taking == Taking::opaque && state.depth_write) drew_opaque_ = true;
   survey_.note(texture, mesh, state, decision.taking, decision.rule);
   if (decision.taking == Taking::reflects) tracing_ = true, frames_without_ = 0;
   if (settings().off && decision.holds()) decision.taking = Taking::left;
+  if (compares_ && !is_holding() && decision.holds()) start_.emplace(state.viewport);
+  decision.in_turn = compares_ && is_holding() && !decision.holds();
   return decision;
 }
 
@@ -140,19 +117,20 @@ SceneDraw Frame::scene_draw(const Geometry& geometry, uint64_t hash, const DrawS
   draw.geometry = &geometry;
   draw.hash = hash;
   draw.state = &state;
-  for (size_t unit = 0; unit < 2; ++unit) draw.textures[unit] = &textures_.find(state.texture[unit]);
+  for (int layer = 0; layer < 2; ++layer) draw.textures[layer] = &textures_.find(state.texture(layer));
   return draw;
 }
 
 // The second stage of an opaque surface, which multiplies: a light map as a rule.
 bool Frame::is_light_map_of_pending(const Piece& piece) const {
-  if (!pending_ || pending_->state.texture[1] != 0 || piece.state.texture[0] == 0 || !multiplies(piece.state)) return false;
+  if (!pending_ || pending_->state.unit_of_layer(0) != 0 || pending_->state.texture(1) != 0) return false;
+  if (piece.state.unit_of_layer(0) != 0 || piece.state.units[0].coordinates || !multiplies(piece.state)) return false;
   return is_same_surface(*pending_, piece);
 }
 
 void Frame::add_pending() {
   if (!pending_) return;
-  SceneDraw draw = scene_draw(*pending_->geometry, hash_of(*pending_->geometry, pending_->state.shows_colors()), pending_->state);
+  SceneDraw draw = scene_draw(*pending_->geometry, hash_of(*pending_->geometry, pending_->state.counted()), pending_->state);
   std::copy_n(pending_tint_, 4, draw.tint);
   if (capture_) capture_->add(*draw.geometry, *draw.state, *draw.textures[0], false);
   if (pending_->decision.taking == Taking::sky)
@@ -162,47 +140,64 @@ void Frame::add_pending() {
   pending_.reset();
 }
 
+// Its threads leave signals to those of the program.
+void Frame::make_scene() {
+  if (scene_) return;
+  const SignalsWait signals_wait;
+  scene_ = std::make_unique<TracedScene>();
+}
+
 void Frame::show(Piece piece, const float tint[4]) {
   if (!wants_scene() || gave_up()) return;
-  if (!scene_) scene_ = std::make_unique<TracedScene>();
+  if (piece.state.lighting) piece.state.lights = read_lighting();
+  make_scene();
   if (is_light_map_of_pending(piece)) {
     Geometry both = *pending_->geometry;
+    both.hashes.clear();
     for (size_t i = 0; i < both.vertices.size(); ++i) std::copy_n(piece.geometry->vertices[i].uv[0], 4, both.vertices[i].uv[1]);
     pending_->geometry = std::make_shared<const Geometry>(std::move(both));
-    pending_->state.texture[1] = piece.state.texture[0];
+    pending_->state.units[1] = piece.state.units[0];
     return;
   }
   add_pending();
-  if (piece.decision.taking != Taking::opaque && piece.decision.taking != Taking::sky) return;
+  if (!piece.decision.is_seen) return;
   pending_ = std::move(piece);
   std::copy_n(tint, 4, pending_tint_);
 }
 
-void Frame::hold(std::vector<Piece> pieces, GLuint list) {
-  if (!scene_) scene_ = std::make_unique<TracedScene>();
-  add_pending();
+void Frame::hold(std::vector<Piece> pieces, GLuint list, const float tint[4]) {
+  make_scene();
+  if (held_.empty()) projection_ = pieces.front().state.projection, viewport_ = pieces.front().state.viewport;
   Held& held = held_.emplace_back();
   held.state = SavedState::read();
   held.list = list;
+  held.in_turn = std::all_of(pieces.begin(), pieces.end(), [](const Piece& piece) { return piece.decision.in_turn; });
   held.pieces = std::move(pieces);
-  if (held_.size() == 1) projection_ = held.pieces.front().state.projection, viewport_ = held.pieces.front().state.viewport;
+  holds_stencil_ = holds_stencil_ || (!held.in_turn && held.pieces.front().state.stencil_test);
   for (const Piece& piece : held.pieces) {
-    if (piece.decision.taking != Taking::reflects) continue;
-    if (held_.size() > 1 && is_later_stage(piece)) continue;
-    const SceneDraw draw = scene_draw(*piece.geometry, piece.hash, piece.state);
-    if (capture_) capture_->add(*draw.geometry, *draw.state, *draw.textures[0], true);
-    const uint32_t id = scene_->add_mirror(draw);
-    if (id == 0) continue;
-    const Rule& rule = piece.decision.rule;
-    held.reflectors.push_back({piece.geometry.get(), piece.state.modelview, id, rule.reflectance, rule.kind != Kind::mirror});
+    if (piece.decision.taking == Taking::reflects)
+      add_reflector(held, piece);
+    else
+      show(piece, piece.state.lighting ? untinted : tint);
   }
   if (held_.size() > 1) pass_on_reflectors(held);
-  ++figures_.held;
+  if (!held.in_turn) ++figures_.held;
+}
+
+void Frame::add_reflector(Held& held, const Piece& piece) {
+  if (held_.size() > 1 && is_later_stage(piece)) return;
+  add_pending();
+  const SceneDraw draw = scene_draw(*piece.geometry, piece.hash, piece.state);
+  if (capture_) capture_->add(*draw.geometry, *draw.state, *draw.textures[0], true);
+  const uint32_t id = scene_->add_mirror(draw);
+  if (id == 0) return;
+  const Rule& rule = piece.decision.rule;
+  held.reflectors.push_back({piece.geometry.get(), piece.state.modelview, id, rule.reflectance, rule.kind != Kind::mirror});
 }
 
 void Frame::pass_on_reflectors(Held& next) {
   Held& before = held_[held_.size() - 2];
-  if (before.reflectors.empty() || next.pieces.size() != 1 || before.pieces.size() != 1) return;
+  if (before.reflectors.empty() || next.in_turn || next.pieces.size() != 1 || before.pieces.size() != 1) return;
   if (!is_same_surface(before.pieces[0], next.pieces[0])) return;
   next.reflectors = std::move(before.reflectors);
   before.reflectors.clear();
@@ -226,7 +221,7 @@ bool Frame::trace() {
   scene_->set_background({clear[0], clear[1], clear[2]});
   scene_->commit();
   if (!reflections_) reflections_ = std::make_unique<Reflections>(*scene_);
-  reflections_->trace(reflectors, states, projection_, viewport_);
+  reflections_->trace(static_cast<uint32_t>(figures_.batches), reflectors, states, projection_, viewport_);
   const sideray_frame_stats& stats = reflections_->stats();
   figures_.trace_ms += stats.trace_ms;
   figures_.rays += stats.rays_reflection;
@@ -246,9 +241,10 @@ void Frame::write_scene() {
   captured_ = true;
 }
 
-void Frame::draw_held(bool with_rays) {
+void Frame::draw_held(Draws which, bool with_rays) {
   const Functions& gl = real();
   for (const Held& held : held_) {
+    if (which != Draws::all && (which == Draws::in_turn) != held.in_turn) continue;
     held.state.apply();
     if (held.list != 0)
       gl.CallList(held.list);
@@ -259,39 +255,72 @@ void Frame::draw_held(bool with_rays) {
   }
 }
 
-std::string Frame::picture_path(const char* which) const {
-  return settings().pictures + "/" + std::to_string(number_) + "-" + which + ".png";
+void Frame::write_picture(const Picture& picture, const char* which) const {
+  const std::string path = settings().pictures + "/" + std::to_string(number_) + "-" + which + ".png";
+  if (!picture.write(path)) say("--pictures: " + path + " cannot be written; name a folder that is there");
 }
 
-// The held draws without rays and with them, each as a picture.
+// White where answers are drawn, black elsewhere.
+void Frame::draw_marks() {
+  const Functions& gl = real();
+  gl.Disable(GL_SCISSOR_TEST);
+  gl.ColorMask(1, 1, 1, 1);
+  gl.ClearColor(0, 0, 0, 0);
+  gl.Clear(GL_COLOR_BUFFER_BIT);
+  for (const Held& held : held_)
+    for (const Reflector& reflector : held.reflectors) {
+      held.state.apply();
+      reflections_->mark(reflector);
+    }
+}
+
+// The program has drawn all in its order; now as ever: what is opaque, rays, what waited for them.
 void Frame::draw_both_ways() {
-  const std::vector<uint8_t> behind = read_pixels(viewport_);
-  const std::vector<uint32_t> depth = read_depth(viewport_);
-  draw_held(false);
-  write_picture(picture_path("before"), viewport_, read_pixels(viewport_));
-  draw_pixels(viewport_, behind, depth);
-  draw_held(true);
-  write_picture(picture_path("after"), viewport_, read_pixels(viewport_));
+  const Picture own(viewport_);
+  start_->restore();
+  draw_held(Draws::in_turn, false);
+  const bool with_rays = try_to_trace();
+  const Picture opaque(viewport_);
+  draw_held(Draws::waiting, with_rays);
+  if (!with_rays) return;
+  const Picture rays(viewport_);
+  opaque.restore();
+  draw_marks();
+  write_picture(own, "own");
+  write_picture(rays, "rays");
+  write_picture(Picture(viewport_), "marks");
+  rays.restore();
+}
+
+bool Frame::try_to_trace() {
+  try {
+    return !gave_up() && trace();
+  } catch (const std::exception& error) {
+    real().BindFramebuffer(GL_FRAMEBUFFER, 0);
+    give_up(error.what());
+    return false;
+  }
+}
+
+void Frame::compare_no_more() {
+  if (!compares_ || held_.empty()) return;
+  if (const AllState all; all.saved()) start_->restore();
+  compares_ = false;
+  flush();
 }
 
 void Frame::trace_and_draw() {
   const AllState all;
   if (!all.saved()) throw std::runtime_error("the program has filled the stack of attributes; it cannot be helped");
-  bool with_rays = false;
-  try {
-    with_rays = !gave_up() && trace();
-  } catch (const std::exception& error) {
-    real().BindFramebuffer(GL_FRAMEBUFFER, 0);
-    give_up(error.what());
-  }
-  if (with_rays && !settings().pictures.empty() && number_ % frames_a_picture == 0 && figures_.batches == 1)
+  if (compares_)
     draw_both_ways();
   else
-    draw_held(with_rays);
+    draw_held(Draws::all, try_to_trace());
 }
 
 void Frame::flush() {
   if (held_.empty() || flushing_) return;
+  const SignalsWait signals_wait;
   flushing_ = true;
   try {
     trace_and_draw();
@@ -299,30 +328,37 @@ void Frame::flush() {
     give_up(error.what());
   }
   held_.clear();
-  flushing_ = false;
+  flushing_ = holds_stencil_ = false;
+  compares_ = false;
+  start_.reset();
 }
 
 void Frame::end() {
+  const SignalsWait signals_wait;
   flush();
   if (renderer_.empty()) renderer_ = reinterpret_cast<const char*>(real().GetString(GL_RENDERER));
   figures_.pixels = static_cast<uint64_t>(viewport_[2]) * static_cast<uint64_t>(viewport_[3]);
-  if (reflections_) figures_.reflecting = reflections_->fragments_answered();
+  if (reflections_) figures_.reflecting = reflections_->fragments_answered(), reflections_->advance();
+  const auto now = std::chrono::steady_clock::now();
+  if (number_ > 0) figures_.frame_ms = std::chrono::duration<double, std::milli>(now - began_).count();
+  began_ = now;
   survey_.end_frame(figures_);
   figures_ = {};
   ++number_;
+  compares_ = is_compared(number_);
   pending_.reset();
   capture_.reset();
   if (tracing_ && !captured_ && !settings().capture.empty()) capture_ = std::make_unique<SceneFile>();
   if (scene_) scene_->begin_frame();
   drew_opaque_ = false;
   if (++frames_without_ > frames_of_interest) tracing_ = false;
-  const auto now = std::chrono::steady_clock::now();
   if (now - reported_ < time_between_reports) return;
   reported_ = now;
   write_report();
 }
 
 void Frame::close(bool current) {
+  const SignalsWait signals_wait;
   if (current) flush();
   held_.clear();
   if (reflections_ && !current) reflections_->abandon();

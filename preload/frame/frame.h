@@ -9,6 +9,7 @@
 #include "preload/base/rules.h"
 #include "preload/base/settings.h"
 #include "preload/capture/textures.h"
+#include "preload/frame/comparison.h"
 #include "preload/frame/scene_file.h"
 #include "preload/frame/survey.h"
 #include "preload/gl/saved_state.h"
@@ -21,8 +22,12 @@ namespace sideray::run {
 struct Decision {
   Taking taking = Taking::left;
   Rule rule;
-  bool holds() const { return taking == Taking::reflects || taking == Taking::held; }
+  bool is_seen = false;   // rays see it
+  bool in_turn = false;   // it is kept only for the frame to be drawn both ways: it is no part of what waits for rays
+  bool holds() const { return taking == Taking::reflects || taking == Taking::held || in_turn; }
 };
+
+inline constexpr float untinted[4] = {1, 1, 1, 1};
 
 // A piece of a draw that is held back.
 struct Piece {
@@ -37,15 +42,23 @@ class Frame {
   Frame();
   ~Frame();
 
-  // Before a draw. May draw what is held back, where this draw needs it done. `mesh`: 0 = not known yet.
-  Decision decide(const DrawState& state, uint64_t mesh);
-  // Whether opaque draws of this frame are wanted.
-  bool wants_scene() const { return tracing_ && !settings().off; }
+  // Before a draw. May draw what is held back, where this draw needs it done. `geometry`, `mesh`: null and 0 = not known yet.
+  Decision decide(const DrawState& state, const Geometry* geometry, uint64_t mesh);
+  // Whether the geometry of every draw is wanted, be it for what a rule or the report says of it.
+  bool names_meshes() const { return rules_.has_meshes() || !settings().report.empty(); }
+  // Whether the geometry of a draw is wanted.
+  bool wants(const Decision& decision) const { return decision.holds() || (decision.is_seen && wants_scene()); }
   void show(Piece piece, const float tint[4]);
   // Holds a draw back: of arrays, or of a display list where `list` is not 0.
-  void hold(std::vector<Piece> pieces, GLuint list);
+  void hold(std::vector<Piece> pieces, GLuint list, const float tint[4]);
+  // The frame is drawn both ways: draws that are held back are made in their turn too, for the program's own picture.
+  bool compares() const { return compares_; }
+  // A draw that comes now cannot be held back: the frame is not drawn both ways.
+  void compare_no_more();
 
   bool is_holding() const { return !held_.empty(); }
+  // Calls of the program that come meanwhile are those of another thread, in a signal handler as a rule.
+  bool is_flushing() const { return flushing_; }
   // Makes all draws that are held back.
   void flush();
   // At the swap.
@@ -66,7 +79,9 @@ class Frame {
     GLuint list = 0;
     SavedState state;
     std::vector<Reflector> reflectors;
+    bool in_turn = false;
   };
+  enum class Draws { all, in_turn, waiting };
   // Where a surface is drawn in several stages, what it reflects is drawn over the last.
   void pass_on_reflectors(Held& next);
   bool is_later_stage(const Piece& piece) const;
@@ -75,12 +90,21 @@ class Frame {
   void write_scene();
   Taking taking_of(const DrawState& state, const Rule& rule) const;
   bool has_other_view(const DrawState& state) const;
+  // Whether the draw looks otherwise where what is held back is drawn after it.
+  bool depends_on_held(const DrawState& state) const;
+  bool wants_scene() const { return tracing_ && !settings().off; }
+  // Blended as it is, it hides what is behind it, but for holes of its texture.
+  bool covers(const DrawState& state, const Geometry* geometry, bool& has_holes);
+  void make_scene();
+  void add_reflector(Held& held, const Piece& piece);
   void trace_and_draw();
+  bool try_to_trace();
   bool trace();
-  void draw_held(bool with_rays);
+  void draw_held(Draws which, bool with_rays);
   void draw_both_ways();
+  void draw_marks();
+  void write_picture(const Picture& picture, const char* which) const;
   SceneDraw scene_draw(const Geometry& geometry, uint64_t hash, const DrawState& state);
-  std::string picture_path(const char* which) const;
 
   Rules rules_;
   Textures textures_;
@@ -98,10 +122,13 @@ class Frame {
   std::array<GLint, 4> viewport_{};
   bool drew_opaque_ = false, flushing_ = false;
   bool tracing_ = false;     // frames have reflecting surfaces: opaque draws are captured
+  bool holds_stencil_ = false;  // what is held back tests the stencil, and may write it
+  bool compares_ = false;    // this frame is drawn both ways
+  std::optional<Picture> start_;  // before the first draw that is held back, where it is
   int frames_without_ = 0;
   uint64_t number_ = 0;
   std::string ended_, renderer_;
-  std::chrono::steady_clock::time_point reported_;
+  std::chrono::steady_clock::time_point reported_, began_;
 };
 
 }  // namespace sideray::run

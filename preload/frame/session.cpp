@@ -1,5 +1,6 @@
 #include "preload/frame/session.h"
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "preload/gl/functions.h"
@@ -7,22 +8,22 @@
 namespace sideray::run {
 namespace {
 
-thread_local GLXContext current_context = nullptr;
+thread_local void* current_context = nullptr;
 
-constexpr float white[4] = {1, 1, 1, 1};
 
 // A list that is held back leaves the texture and the attributes of its last vertex, as if it had been drawn.
 void leave_as_drawn(const Piece& last) {
   const Functions& gl = real();
   const Vertex& vertex = last.geometry->vertices.back();
-  if (last.state.texture[0] != 0) gl.BindTexture(GL_TEXTURE_2D, last.state.texture[0]);
+  if (last.state.units[0].texture != 0) gl.BindTexture(GL_TEXTURE_2D, last.state.units[0].texture);
   gl.Normal3fv(vertex.normal);
   gl.TexCoord4fv(vertex.uv[0]);
 }
 
-GLXContext context_of_thread() {
+void* context_of_thread() {
   static const auto current = real_function<decltype(&::glXGetCurrentContext)>("glXGetCurrentContext");
   if (!current_context && current) current_context = current();
+  if (!current_context) current_context = current_egl_context();
   return current_context;
 }
 
@@ -38,8 +39,8 @@ Session::Session() {
 }
 
 bool Session::looks() {
-  if (frame_.gave_up()) return false;
-  const GLXContext context = context_of_thread();
+  if (frame_.gave_up() || frame_.is_flushing()) return false;
+  void* const context = context_of_thread();
   if (!context) return false;
   if (!context_) context_ = context;
   if (context == context_) return true;
@@ -47,12 +48,12 @@ bool Session::looks() {
   return false;
 }
 
-void Session::make_current(GLXContext context) {
+void Session::make_current(void* context) {
   current_context = context;
 }
 
-void Session::destroy(GLXContext context) {
-  if (!context || context != context_) return;
+void Session::destroy(void* context) {
+  if (!context || context != context_ || frame_.is_flushing()) return;
   frame_.close(context == current_context);
   lists_.clear();
   arrays_.clear();
@@ -75,11 +76,10 @@ bool Session::begin(GLenum mode) {
   if (!looks()) return false;
   if (!lists_.is_recording()) {
     state_ = read_draw_state();
-    decision_ = frame_.decide(state_, 0);
-    const bool shows = decision_.taking == Taking::opaque || decision_.taking == Taking::sky;
-    if (!decision_.holds() && !(shows && frame_.wants_scene())) return false;
+    decision_ = frame_.decide(state_, nullptr, 0);
+    if (!frame_.wants(decision_)) return false;
     next_ = read_attributes();
-    held_ = decision_.holds();
+    held_ = decision_.holds() && !frame_.compares();
   }
   geometry_ = Geometry();
   geometry_.mode = mode;
@@ -89,43 +89,64 @@ bool Session::begin(GLenum mode) {
 
 void Session::end() {
   if (!open_) return;
-  const bool was_held = held_;
   open_ = held_ = false;
   if (geometry_.vertices.empty()) return;
   if (lists_.is_recording()) {
     lists_.add(std::move(geometry_), colored_);
     return;
   }
-  const uint64_t hash = hash_of(geometry_, state_.shows_colors());
+  const uint64_t hash = hash_of(geometry_, state_.counted());
   Piece piece{std::make_shared<const Geometry>(std::move(geometry_)), hash, state_, decision_};
-  if (was_held)
-    frame_.hold({std::move(piece)}, 0);
-  else
-    frame_.show(std::move(piece), white);
+  if (decision_.holds())
+    frame_.hold({std::move(piece)}, 0, untinted);
+  else if (!piece.state.blend || !piece.state.shows_colors() || piece.geometry->is_opaque() || piece.decision.taking == Taking::sky)
+    frame_.show(std::move(piece), untinted);
 }
 
-bool Session::take(Geometry geometry) {
+bool Session::take(const std::function<std::shared_ptr<const Geometry>()>& read) {
   if (lists_.is_recording()) {
-    lists_.add(std::move(geometry), real().IsEnabled(GL_COLOR_ARRAY) == GL_TRUE);
+    if (const std::shared_ptr<const Geometry> drawn = read()) lists_.add(*drawn, is_enabled(GL_COLOR_ARRAY));
     return false;
   }
   DrawState state = read_draw_state();
-  if (state.shows_colors()) state.alpha = geometry.vertices.front().color[3];
-  const uint64_t hash = hash_of(geometry, state.shows_colors());
-  const Decision decision = frame_.decide(state, hash);
-  Piece piece{std::make_shared<const Geometry>(std::move(geometry)), hash, state, decision};
+  const bool needs_colors = state.blend && state.shows_colors() && is_enabled(GL_COLOR_ARRAY);
+  std::shared_ptr<const Geometry> drawn;
+  Decision decision;
+  if (needs_colors || frame_.names_meshes()) {
+    drawn = read();
+    if (!drawn) return pass_unread();
+    if (state.shows_colors()) state.alpha = drawn->vertices.front().color[3];
+    decision = frame_.decide(state, drawn.get(), hash_of(*drawn, state.counted()));
+    if (!frame_.wants(decision)) return false;
+  } else {
+    // The colour is current, so that one vertex says what all have.
+    Geometry vertex;
+    vertex.vertices.emplace_back().color[3] = state.alpha;
+    decision = frame_.decide(state, &vertex, 0);
+    if (!frame_.wants(decision)) return false;
+    drawn = read();
+    if (!drawn) return pass_unread();
+  }
+  const uint64_t hash = hash_of(*drawn, state.counted());
+  Piece piece{std::move(drawn), hash, std::move(state), decision};
   if (decision.holds())
-    frame_.hold({std::move(piece)}, 0);
+    frame_.hold({std::move(piece)}, 0, untinted);
   else
-    frame_.show(std::move(piece), white);
-  return decision.holds();
+    frame_.show(std::move(piece), untinted);
+  return decision.holds() && !frame_.compares();
+}
+
+bool Session::pass_unread() {
+  before_other("glDrawElements whose indices lie outside of their buffer");
+  return false;
 }
 
 bool Session::call_list(GLuint list) {
   std::vector<Piece> pieces;
   lists_.visit(list, read_draw_state(), [&](const ListPiece& piece, DrawState state) {
     if (piece.colored && state.shows_colors()) state.alpha = piece.geometry->vertices.front().color[3];
-    pieces.push_back({piece.geometry, piece.hash, state, frame_.decide(state, piece.hash)});
+    const Geometry* known = piece.colored || !state.shows_colors() ? piece.geometry.get() : nullptr;
+    pieces.push_back({piece.geometry, piece.hash, state, frame_.decide(state, known, piece.hash)});
   });
   if (pieces.empty()) return false;
   float current[4] = {1, 1, 1, 1};
@@ -134,13 +155,16 @@ bool Session::call_list(GLuint list) {
   for (const Piece& piece : pieces) holds = holds || piece.decision.holds();
   if (holds && lists_.can_be_held(list)) {
     const Piece last = pieces.back();
-    frame_.hold(std::move(pieces), list);
+    frame_.hold(std::move(pieces), list, current);
+    if (frame_.compares()) return false;
     leave_as_drawn(last);
     return true;
   }
-  if (holds) frame_.survey().miss("display lists that change more than textures and cannot be held back");
+  const bool waits = std::any_of(pieces.begin(), pieces.end(), [](const Piece& piece) { return piece.decision.holds() && !piece.decision.in_turn; });
+  if (waits) frame_.survey().miss("display lists that change more than textures and cannot be held back");
+  if (holds) frame_.compare_no_more();
   for (Piece& piece : pieces) {
-    const float* tint = piece.state.lighting ? white : current;
+    const float* tint = piece.state.lighting ? untinted : current;
     frame_.show(std::move(piece), tint);
   }
   return false;

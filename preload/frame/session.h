@@ -1,6 +1,7 @@
 // The context that is looked at, and what its calls become.
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "preload/capture/arrays.h"
@@ -16,8 +17,8 @@ class Session {
 
   // Whether calls of this thread are looked at. Chooses the thread's context if none is yet.
   bool looks();
-  void make_current(GLXContext context);
-  void destroy(GLXContext context);
+  void make_current(void* context);  // of GLX or EGL
+  void destroy(void* context);
   void swap();
 
   // glBegin; whether the draw is held back, so that the driver does not see it.
@@ -33,8 +34,8 @@ class Session {
   void add_vertex() { geometry_.vertices.push_back(next_); }
   void end();
 
-  // Returns whether the draw is held back.
-  bool take(Geometry geometry);
+  // A draw of arrays, which `read` reads where they are wanted; it may return none. Returns whether the draw is held back.
+  bool take(const std::function<std::shared_ptr<const Geometry>()>& read);
   bool call_list(GLuint list);
   // A draw or a copy that is not captured: what is held back is drawn before it, where it lies over it or reads it.
   void before_other(const char* name);
@@ -50,10 +51,12 @@ class Session {
   Frame& frame() { return frame_; }
 
  private:
+  bool pass_unread();
+
   Frame frame_;
   Lists lists_;
   Arrays arrays_;
-  GLXContext context_ = nullptr;
+  void* context_ = nullptr;
   bool open_ = false, held_ = false, colored_ = false;
   Vertex next_;
   Geometry geometry_;

@@ -1,5 +1,7 @@
 #include "preload/frame/survey.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
@@ -25,6 +27,21 @@ std::string described(Taking taking, const Rule& rule) {
     default:
       return rule.kind == Kind::ignore ? "ignored" : "left alone";
   }
+}
+
+// What the process has in memory.
+double memory_mb() {
+  std::ifstream file("/proc/self/statm");
+  double size = 0, resident = 0;
+  file >> size >> resident;
+  return resident * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+double median(std::vector<float> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return static_cast<double>(*middle);
 }
 
 std::string text(const char* format, double value) {
@@ -69,6 +86,8 @@ void Survey::note(const Texture& texture, uint64_t mesh, const DrawState& state,
 }
 
 void Survey::end_frame(const Frame& frame) {
+  if (frame.frame_ms > 0) frame_ms_.push_back(static_cast<float>(frame.frame_ms));
+  if (frame_ == 100 || frame_ == 1000) memory_mb_[frame_ == 1000] = memory_mb();
   ++frame_;
   total_.rays += frame.rays;
   total_.layers += frame.layers;
@@ -96,6 +115,10 @@ std::string Survey::figures() const {
       {"reflection_rays", std::to_string(total_.rays)},
       {"draws_held", std::to_string(total_.held)},
       {"batches", std::to_string(total_.batches)},
+      {"median_frame_ms", text("%.1f", median(frame_ms_))},
+      {"memory_mb_at_frame_100", text("%.0f", memory_mb_[0])},
+      {"memory_mb_at_frame_1000", text("%.0f", memory_mb_[1])},
+      {"memory_mb", text("%.0f", memory_mb())},
       {"mean_trace_ms", text("%.2f", trace_ms_ / with_rays)},
       {"instances_of_last_traced_frame", std::to_string(last_.instances)},
       {"meshes_kept", std::to_string(last_.meshes)},

@@ -24,7 +24,7 @@ class Survey {
   };
   struct Frame {
     uint64_t pixels = 0, reflecting = 0;  // of the view, and fragments that show rays
-    double trace_ms = 0;
+    double trace_ms = 0, frame_ms = 0;  // 0 = not known
     size_t instances = 0, meshes = 0, held = 0, batches = 0;
     uint64_t rays = 0, layers = 0;
   };
@@ -47,6 +47,8 @@ class Survey {
 
   uint64_t frame_ = 1, frames_with_rays_ = 0;
   double share_ = 0, most_share_ = 0, trace_ms_ = 0;
+  std::vector<float> frame_ms_;
+  double memory_mb_[2] = {};  // at frames 100 and 1000
   Frame last_, total_;
   std::map<uint64_t, Entry> textures_, meshes_;
   std::map<uint64_t, Thumbnail> pictures_;

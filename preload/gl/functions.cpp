@@ -1,7 +1,9 @@
 #include "preload/gl/functions.h"
 
+#include <EGL/egl.h>
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -58,6 +60,11 @@ bool is_enabled(GLenum name) {
   return real().IsEnabled(name) == GL_TRUE;
 }
 
+int texture_units() {
+  static const int units = std::clamp<GLint>(get_integer(GL_MAX_TEXTURE_UNITS), 1, kept_units);
+  return units;
+}
+
 void* real_dlsym(void* handle, const char* name) {
   static const Dlsym function = find_dlsym();
   return function(handle, name);
@@ -69,6 +76,25 @@ void* real_symbol(const char* name) {
   static const auto get_proc_address =
       reinterpret_cast<decltype(&::glXGetProcAddressARB)>(real_dlsym(driver, "glXGetProcAddressARB"));
   return get_proc_address ? reinterpret_cast<void*>(get_proc_address(reinterpret_cast<const GLubyte*>(name))) : nullptr;
+}
+
+
+void* real_egl_symbol(const char* name) {
+  // Asked for again and again: programs open it late.
+  static void* library = nullptr;
+  if (!library) library = ::dlopen("libEGL.so.1", RTLD_LAZY | RTLD_NOLOAD);
+  return library ? real_dlsym(library, name) : nullptr;
+}
+
+void* current_egl_context() {
+  const auto current = reinterpret_cast<decltype(&::eglGetCurrentContext)>(real_egl_symbol("eglGetCurrentContext"));
+  const EGLContext context = current ? current() : EGL_NO_CONTEXT;
+  if (context == EGL_NO_CONTEXT) return nullptr;
+  const auto query = reinterpret_cast<decltype(&::eglQueryContext)>(real_egl_symbol("eglQueryContext"));
+  const auto display = reinterpret_cast<decltype(&::eglGetCurrentDisplay)>(real_egl_symbol("eglGetCurrentDisplay"));
+  EGLint type = 0;
+  if (!query(display(), context, EGL_CONTEXT_CLIENT_TYPE, &type) || type != EGL_OPENGL_API) return nullptr;
+  return context;
 }
 
 }  // namespace sideray::run

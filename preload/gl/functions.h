@@ -5,6 +5,8 @@
 
 namespace sideray::run {
 
+constexpr int kept_units = 4;  // of texture, whose state and coordinates are kept
+
 struct Functions {
 #define MEMBER(name) decltype(&::gl##name) name = nullptr;
   SIDERAY_RUN_CALLED(MEMBER)
@@ -24,10 +26,16 @@ const Functions& real();
 // State of the current context.
 GLint get_integer(GLenum name);
 bool is_enabled(GLenum name);
+// Texture units of the fixed function, of those whose state is kept (kept_units).
+int texture_units();
 
 // dlsym of the C library, and a function of the driver.
 void* real_dlsym(void* handle, const char* name);
 void* real_symbol(const char* name);
+// A function of libEGL; null where the process has not got it.
+void* real_egl_symbol(const char* name);
+// The thread's context of OpenGL (not of OpenGL ES) that was made by EGL, or null.
+void* current_egl_context();
 
 template <typename Function>
 Function real_function(const char* name) {

@@ -18,7 +18,7 @@ constexpr std::array<GLenum, 4> blending = {GL_BLEND_SRC_RGB, GL_BLEND_DST_RGB, 
 constexpr std::array<GLenum, 7> stencil = {GL_STENCIL_FUNC, GL_STENCIL_REF, GL_STENCIL_VALUE_MASK, GL_STENCIL_WRITEMASK,
                                            GL_STENCIL_FAIL, GL_STENCIL_PASS_DEPTH_FAIL, GL_STENCIL_PASS_DEPTH_PASS};
 constexpr std::array<GLenum, 3> attenuation = {GL_CONSTANT_ATTENUATION, GL_LINEAR_ATTENUATION, GL_QUADRATIC_ATTENUATION};
-constexpr std::array<GLfloat, 16> identity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+constexpr std::array<GLfloat, 16> unchanged = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
 void set(GLenum name, bool on) {
   if (on)
@@ -87,7 +87,7 @@ SavedState SavedState::read() {
 
 void SavedState::read_units() {
   const Functions& gl = real();
-  for (int i = 0; i < kept_units; ++i) {
+  for (int i = 0; i < texture_units(); ++i) {
     Unit& unit = units_[i];
     gl.ActiveTexture(unit_name(i));
     unit.texture_2d = gl.IsEnabled(GL_TEXTURE_2D) == GL_TRUE;
@@ -149,7 +149,7 @@ void SavedState::read_lighting() {
 void SavedState::apply() const {
   const Functions& gl = real();
   // Places of lights, planes of clipping and of texture coordinates are kept in eye space.
-  load_matrix(GL_MODELVIEW, identity.data());
+  load_matrix(GL_MODELVIEW, unchanged.data());
   apply_lighting();
   for (GLenum i = 0; i < kept_planes; ++i) {
     set(GL_CLIP_PLANE0 + i, planes_[i]);
@@ -191,7 +191,7 @@ void SavedState::apply() const {
 
 void SavedState::apply_units() const {
   const Functions& gl = real();
-  for (int i = 0; i < kept_units; ++i) {
+  for (int i = 0; i < texture_units(); ++i) {
     const Unit& unit = units_[i];
     gl.ActiveTexture(unit_name(i));
     set(GL_TEXTURE_2D, unit.texture_2d);
@@ -264,7 +264,7 @@ AllState::AllState() {
   gl.GetFloatv(GL_PROJECTION_MATRIX, projection_);
   gl.PushAttrib(GL_ALL_ATTRIB_BITS);
   gl.PushClientAttrib(GL_CLIENT_ALL_ATTRIB_BITS);
-  for (int unit = 0; unit < 4; ++unit) {
+  for (int unit = 0; unit < texture_units(); ++unit) {
     gl.ActiveTexture(unit_name(unit));
     gl.GetFloatv(GL_TEXTURE_MATRIX, texture_[unit]);
   }
@@ -273,7 +273,7 @@ AllState::AllState() {
 AllState::~AllState() {
   if (!saved_) return;
   const Functions& gl = real();
-  for (int unit = 0; unit < 4; ++unit) {
+  for (int unit = 0; unit < texture_units(); ++unit) {
     gl.ActiveTexture(unit_name(unit));
     load_matrix(GL_TEXTURE, texture_[unit]);
   }

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "preload/gl/entry_points.h"
+#include "preload/gl/functions.h"
 
 namespace sideray::run {
 
@@ -14,7 +14,7 @@ class SavedState {
   void apply() const;
 
  private:
-  enum { kept_units = 4, kept_lights = 8, kept_planes = 6 };
+  enum { kept_lights = 8, kept_planes = 6 };
   struct Unit {
     bool texture_2d, texture_cube, generated[4];
     GLint bound_2d, bound_cube, env_mode, combine[8], generation_mode[4];
@@ -59,7 +59,7 @@ class AllState {
 
  private:
   bool saved_ = false;
-  GLfloat modelview_[16], projection_[16], texture_[4][16];
+  GLfloat modelview_[16], projection_[16], texture_[kept_units][16];
 };
 
 }  // namespace sideray::run

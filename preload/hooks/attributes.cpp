@@ -33,7 +33,7 @@ bool note_Color(const T* values) {
 template <int count, typename T>
 bool note_MultiTexCoord(GLenum unit, const T* values) {
   Session& now = session();
-  if (now.follows_attributes() && unit - GL_TEXTURE0 < 2) set_components<count>(now.next().uv[unit - GL_TEXTURE0], values);
+  if (now.follows_attributes() && unit - GL_TEXTURE0 < kept_units) set_components<count>(now.next().uv[unit - GL_TEXTURE0], values);
   return true;
 }
 

@@ -1,6 +1,4 @@
 // Draws: immediate mode, arrays, lists, and what is drawn or copied besides.
-#include <optional>
-
 #include "preload/gl/functions.h"
 #include "preload/frame/session.h"
 
@@ -8,15 +6,11 @@ namespace sideray::run {
 namespace {
 
 bool take_arrays(GLenum mode, GLint first, GLsizei count) {
-  return session().looks() && count > 0 && session().take(session().arrays().read(mode, first, count));
+  return session().looks() && count > 0 && session().take([&] { return session().arrays().read(mode, first, count); });
 }
 
 bool take_elements(GLenum mode, GLsizei count, GLenum type, const void* indices) {
-  if (!session().looks() || count <= 0) return false;
-  std::optional<Geometry> geometry = session().arrays().read_indexed(mode, count, type, indices);
-  if (geometry) return session().take(std::move(*geometry));
-  session().before_other("glDrawElements whose indices lie outside of their buffer");
-  return false;
+  return session().looks() && count > 0 && session().take([&] { return session().arrays().read_indexed(mode, count, type, indices); });
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// The lighting of the fixed function of OpenGL 1.x (The OpenGL Graphics System, version 2.1, section 2.14.1), for one point that
-// a ray hits. sideray_scene_set_fixed_function has one set of lights a scene; a program may change them from draw to draw.
+// The lighting of the fixed function for one point that a ray hits, by Sideray's own formulas of it.
+// sideray_scene_set_fixed_function has one set of lights a scene; a program may change them from draw to draw.
 #pragma once
 
 #include <sideray/tracer.h>

@@ -1,27 +1,41 @@
 #include "preload/rays/looks.h"
 
 #include <algorithm>
-#include <cstring>
+#include <cmath>
 
 namespace sideray::run {
+namespace {
 
-void Looks::clear() {
-  looks_.clear();
-  lightings_.clear();
+// How far before the eye what a plane mirror shows seems to lie: the fixed function's fog coordinate of the mirror image.
+float mirrored_depth(const sideray_shading_point& point) {
+  float mirror[3], length = 0;
+  for (int c = 0; c < 3; ++c) {
+    mirror[c] = static_cast<float>(point.position[c]) + point.to_eye[c] * point.distance;
+    length += mirror[c] * mirror[c];
+  }
+  length = std::sqrt(length);
+  return length > 0 ? std::abs(mirror[2]) * (1 + point.distance / length) : point.distance;
 }
 
-const Lighting* Looks::lighting_now() {
-  const Lighting now = run::read_lighting();
-  if (lightings_.empty() || std::memcmp(&lightings_.back(), &now, sizeof(now)) != 0) lightings_.push_back(now);
-  return &lightings_.back();
+// The OpenGL Graphics System, version 2.1, section 3.10.
+float share_in_fog(const Fog& fog, float depth) {
+  float share = 0;
+  if (fog.mode == GL_LINEAR)
+    share = fog.end != fog.start ? (fog.end - depth) / (fog.end - fog.start) : 1;
+  else
+    share = std::exp(-(fog.mode == GL_EXP2 ? fog.density * depth * fog.density * depth : fog.density * depth));
+  return std::clamp(share, 0.0f, 1.0f);
 }
+
+}  // namespace
 
 Looks::Look Looks::look_of(const DrawState& state, const float tint[4]) {
   Look look;
   std::copy_n(tint, 3, look.tint);
-  look.second_texture = state.texture[1] != 0;
-  if (!state.lighting) return look;
-  look.lighting = lighting_now();
+  look.second_texture = state.texture(1) != 0;
+  look.fog = state.fog;
+  if (!state.lighting || state.shows_texture_alone()) return look;
+  look.lighting = state.lights;
   look.material = state.material;
   // With GL_COLOR_MATERIAL the colours of the vertices are the material's.
   for (int c = 0; c < 3 && state.color_material; ++c) look.material.ambient[c] = look.material.diffuse[c] = 1.0f;
@@ -54,6 +68,9 @@ void Looks::shade(const Look& look, const sideray_shading_point& point, sideray_
     result.radiance[c] *= look.tint[c];
     if (look.second_texture) result.radiance[c] *= point.emissive[c];
   }
+  if (!look.fog.on) return;
+  const float share = share_in_fog(look.fog, mirrored_depth(point));
+  for (int c = 0; c < 3; ++c) result.radiance[c] = share * result.radiance[c] + (1 - share) * look.fog.color[c];
 }
 
 void Looks::shade(void* user, const sideray_shading_point* points, size_t count, sideray_shading_result* results) {

@@ -1,7 +1,6 @@
-// How the program's surfaces look where rays hit them: the lighting of the fixed function, textures and colours.
+// How the program's surfaces look where rays hit them: the lighting of the fixed function, textures, colours and fog.
 #pragma once
 
-#include <deque>
 #include <vector>
 
 #include "preload/capture/draw_state.h"
@@ -12,8 +11,8 @@ namespace sideray::run {
 // The looks of a frame's draws; sideray_instance_desc::user is the place of one.
 class Looks {
  public:
-  void clear();
-  // `tint`: multiplied onto it. Reads the lights that are set now.
+  void clear() { looks_.clear(); }
+  // `tint`: multiplied onto it.
   uint64_t add(const DrawState& state, const float tint[4]);
   // Of glass, water and mirrors: a layer holds what they reflect, and nothing else. The shader that draws them weights it.
   uint64_t add_mirror(const DrawState& state, const float tint[4]);
@@ -23,17 +22,16 @@ class Looks {
 
  private:
   struct Look {
-    const Lighting* lighting = nullptr;  // null = not lit
+    std::shared_ptr<const Lighting> lighting;  // null = not lit
     DrawMaterial material;
+    Fog fog;
     float tint[3] = {1, 1, 1};
     bool second_texture = false, mirrors = false;
   };
-  Look look_of(const DrawState& state, const float tint[4]);
-  const Lighting* lighting_now();
+  static Look look_of(const DrawState& state, const float tint[4]);
   static void shade(const Look& look, const sideray_shading_point& point, sideray_shading_result& result);
 
   std::vector<Look> looks_;
-  std::deque<Lighting> lightings_;  // their places stay
 };
 
 }  // namespace sideray::run

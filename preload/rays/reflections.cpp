@@ -1,9 +1,11 @@
 #include "preload/rays/reflections.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
 
+#include "preload/base/settings.h"
 #include "preload/gl/functions.h"
 
 namespace sideray::run {
@@ -12,9 +14,11 @@ namespace {
 constexpr GLenum first_unit = 4;  // behind those that the fixed function of such programs uses
 
 constexpr const char* vertex_text = R"(#version 120
-varying vec3 eye_position, eye_normal;
+uniform mat4 before;
+varying vec3 eye_position, position_before;
 void main() {
   gl_Position = ftransform();
+  position_before = (before * gl_Vertex).xyz;
   eye_position = (gl_ModelViewMatrix * gl_Vertex).xyz;
 }
 )";
@@ -22,16 +26,33 @@ void main() {
 // What is reflected, weighted by how much of it a surface of this tilt reflects. Blended so that the rest lets through what
 // is drawn already.
 constexpr const char* fragment_text = R"(
-varying vec3 eye_position;
-uniform float surface, reflectance, fresnel;
+varying vec3 eye_position, position_before;
+uniform float surface, reflectance, fresnel, late, marks;
+
+// An answer where the surface was. The distance counts less than it does to sideray_find() and sideray_find_moving(): the surface
+// id is that of one draw, water heaves, and what OpenGL interpolates over large polygons is coarser than a rounding.
+bool find_before(vec3 position, float surface, out vec3 reflected) {
+  reflected = vec3(0.0);
+  bool in_picture;
+  SiderayFragment f = sideray_moving_fragment(position, surface, in_picture);
+  vec2 met = sideray_meet_plane(f, f.pixel);
+  if (sideray_layers == 0 || !in_picture || !(met.x > 0.0)) return false;
+  int layer = sideray_find_layer_at(f.pixel, met.x, met.y + 0.02 * met.x, surface);
+  if (layer >= 0) reflected = SIDERAY_FETCH(sideray_radiance, f.pixel, layer, sideray_cache_size).rgb;
+  return layer >= 0;
+}
+
 void main() {
   vec3 reflected;
-  bool found = sideray_find(eye_position, surface, reflected);
+  bool found = late < 0.5 && sideray_find(eye_position, surface, reflected);
+  vec3 reflected_before;
+  bool found_before = find_before(position_before, surface, reflected_before);
+  if (!found && found_before) found = true, reflected = reflected_before;
   vec3 normal = normalize(cross(dFdx(eye_position), dFdy(eye_position)));
   float cosine = clamp(abs(dot(normal, normalize(eye_position))), 0.0, 1.0);
   float weight = reflectance + fresnel * (1.0 - reflectance) * pow(1.0 - cosine, 5.0);
   if (!found) discard;
-  gl_FragColor = vec4(weight * reflected, weight);
+  gl_FragColor = marks > 0.5 ? vec4(1.0) : vec4(weight * reflected, weight);
 }
 )";
 
@@ -148,6 +169,9 @@ Reflections::Reflections(const TracedScene& scene) : service_(make_service(scene
   surface_location_ = gl.GetUniformLocation(program_, "surface");
   reflectance_location_ = gl.GetUniformLocation(program_, "reflectance");
   fresnel_location_ = gl.GetUniformLocation(program_, "fresnel");
+  late_location_ = gl.GetUniformLocation(program_, "late");
+  marks_location_ = gl.GetUniformLocation(program_, "marks");
+  before_location_ = gl.GetUniformLocation(program_, "before");
 }
 
 Reflections::~Reflections() {
@@ -163,6 +187,7 @@ void Reflections::abandon() {
   service_.abandon_context();
   program_ = framebuffer_ = depth_ = mask_ = 0;
   queries_.clear();
+  views_.clear();
 }
 
 void Reflections::make_target(GLint width, GLint height) {
@@ -216,10 +241,9 @@ void Reflections::draw_mask(const std::vector<Reflector>& reflectors, const std:
   gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
 }
 
-void Reflections::trace(const std::vector<Reflector>& reflectors, const std::vector<const SavedState*>& states, const Matrix& projection,
-                        const std::array<GLint, 4>& viewport) {
-  draw_mask(reflectors, states, projection, viewport);
+void Reflections::submit(const std::vector<Reflector>& reflectors, const Matrix& projection, const std::array<GLint, 4>& viewport) {
   FrameInputs inputs;
+  inputs.frame.view_id = batch_;
   inputs.frame.view = view_of(projection);
   inputs.frame.source.framebuffer = 0;
   inputs.frame.source.x = viewport[0];
@@ -231,14 +255,35 @@ void Reflections::trace(const std::vector<Reflector>& reflectors, const std::vec
   inputs.layers->float_ids = 1;
   inputs.layers->max_layers = 4;
   inputs.frame.shadows = 0;
-  const std::optional<sideray_ticket> ticket = service_.submit(inputs);
-  if (!ticket) return;
-  service_.wait(*ticket);
-  stats_ = service_.stats(*ticket);
-  service_.bind(program_, first_unit);
+  View& view = views_[batch_];
+  view.ticket = service_.submit(inputs);
+  view.places.clear();
+  for (const Reflector& reflector : reflectors) view.places[reflector.surface_id] = reflector.modelview;
 }
 
-void Reflections::draw(const Reflector& reflector) {
+void Reflections::take_answers(int32_t timeout_ms) {
+  View& view = views_[batch_];
+  if (!view.ticket || !service_.wait(*view.ticket, timeout_ms)) return;
+  view.stats = service_.stats(*view.ticket);
+  view.ticket.reset();
+  view.answered = std::move(view.places);
+}
+
+void Reflections::trace(uint32_t batch, const std::vector<Reflector>& reflectors, const std::vector<const SavedState*>& states,
+                        const Matrix& projection, const std::array<GLint, 4>& viewport) {
+  batch_ = batch;
+  take_answers(0);
+  // Where rays take longer than a frame, frames in between are not traced.
+  if (!views_[batch_].ticket) {
+    draw_mask(reflectors, states, projection, viewport);
+    submit(reflectors, projection, viewport);
+  }
+  if (!settings().late) take_answers(-1);
+}
+
+void Reflections::draw(const Reflector& reflector, bool marks) {
+  const auto before = view().answered.find(reflector.surface_id);
+  if (before == view().answered.end()) return;
   const Functions& gl = real();
   test_depth();
   gl.Enable(GL_BLEND);
@@ -247,30 +292,42 @@ void Reflections::draw(const Reflector& reflector) {
   gl.Disable(GL_ALPHA_TEST);
   gl.MatrixMode(GL_MODELVIEW);
   gl.LoadMatrixf(reflector.modelview.data());
-  service_.bind(program_, first_unit);
+  service_.bind(program_, first_unit, batch_);
   gl.UseProgram(program_);
   gl.Uniform1f(surface_location_, static_cast<float>(reflector.surface_id));
   gl.Uniform1f(reflectance_location_, reflector.reflectance);
   gl.Uniform1f(fresnel_location_, reflector.fresnel ? 1.0f : 0.0f);
-  GLuint query = 0;
-  gl.GenQueries(1, &query);
-  queries_.push_back(query);
-  gl.BeginQuery(GL_SAMPLES_PASSED, query);
-  run::draw(*reflector.geometry);
-  gl.EndQuery(GL_SAMPLES_PASSED);
+  gl.Uniform1f(late_location_, settings().late ? 1.0f : 0.0f);
+  gl.Uniform1f(marks_location_, marks ? 1.0f : 0.0f);
+  gl.UniformMatrix4fv(before_location_, 1, GL_FALSE, before->second.data());
+  if (marks) {
+    run::draw(*reflector.geometry);
+  } else {
+    GLuint query = 0;
+    gl.GenQueries(1, &query);
+    queries_.push_back(query);
+    gl.BeginQuery(GL_SAMPLES_PASSED, query);
+    run::draw(*reflector.geometry);
+    gl.EndQuery(GL_SAMPLES_PASSED);
+  }
   gl.UseProgram(0);
 }
 
 uint64_t Reflections::fragments_answered() {
   const Functions& gl = real();
   uint64_t sum = 0;
-  for (const GLuint query : queries_) {
+  const auto unfinished = std::partition(queries_.begin(), queries_.end(), [&](GLuint query) {
+    GLuint done = GL_TRUE;
+    if (settings().late) gl.GetQueryObjectuiv(query, GL_QUERY_RESULT_AVAILABLE, &done);
+    return done == GL_TRUE;
+  });
+  for (auto at = queries_.begin(); at != unfinished; ++at) {
     GLuint passed = 0;
-    gl.GetQueryObjectuiv(query, GL_QUERY_RESULT, &passed);
+    gl.GetQueryObjectuiv(*at, GL_QUERY_RESULT, &passed);
     sum += passed;
   }
-  if (!queries_.empty()) gl.DeleteQueries(static_cast<GLsizei>(queries_.size()), queries_.data());
-  queries_.clear();
+  if (unfinished != queries_.begin()) gl.DeleteQueries(static_cast<GLsizei>(unfinished - queries_.begin()), queries_.data());
+  queries_.erase(queries_.begin(), unfinished);
   return sum;
 }
 

@@ -4,11 +4,13 @@
 #include <cmath>
 
 #include "preload/base/hash.h"
+#include "preload/rays/texture_coordinates.h"
 
 namespace sideray::run {
 namespace {
 
 constexpr uint64_t frames_a_cleaning = 8;
+constexpr uint64_t frames_kept = 120;  // of materials and textures: longer than meshes, which hold none
 constexpr float sky_scale = 1000;
 
 bool is_affine_and_invertible(const Matrix& m) {
@@ -35,24 +37,18 @@ sideray_attribute attribute(const float* data) {
 
 }  // namespace
 
-TracedScene::TracedScene() : scene_(Scene::create().value()), tracer_(Tracer::create(scene_).value()) {
-  sideray_shader_desc shader = sideray_shader_defaults();
-  shader.shade = Looks::shade;
-  shader.user = &looks_;
-  shader.radiance_space = SIDERAY_SPACE_GAMMA22;  // the fixed function adds up what is shown
-  scene_.set_shader(shader);
-}
+TracedScene::TracedScene() : scene_(Scene::create().value()), tracer_(Tracer::create(scene_).value()) {}
 
 void TracedScene::begin_frame() {
   ++frame_;
   wanted_.clear();
   looks_.clear();
-  next_id_ = 1;
+  names_.begin_frame();
   sheets_ = 0;
-  drop_old_meshes();
+  drop_old();
 }
 
-void TracedScene::drop_old_meshes() {
+void TracedScene::drop_old() {
   if (frame_ % frames_a_cleaning != 0) return;
   // Instances of the last commit hold their meshes until the next one replaces them.
   if (!held_.empty()) {
@@ -64,16 +60,29 @@ void TracedScene::drop_old_meshes() {
     if (old && at->second.name != 0) scene_.remove_mesh(at->second.name);
     at = old ? meshes_.erase(at) : std::next(at);
   }
+  const auto drop = [this](auto& kept, auto&& remove) {
+    for (auto at = kept.begin(); at != kept.end();) {
+      const bool old = frame_ - at->second.last_frame > frames_kept;
+      if (old) remove(at->second.name);
+      at = old ? kept.erase(at) : std::next(at);
+    }
+  };
+  drop(materials_, [this](sideray_material name) { scene_.remove_material(name); });
+  drop(textures_, [this](sideray_texture name) { scene_.remove_texture(name); });
 }
 
 sideray_mesh TracedScene::mesh(const SceneDraw& draw) {
-  const bool lit = draw.state->lighting;
-  const uint64_t key = mix(draw.hash, (lit ? 1u : 0u) + (draw.state->shows_colors() ? 2u : 0u));
+  const DrawState& state = *draw.state;
+  const bool lit = state.lighting, colored = state.shows_colors() && !state.shows_texture_alone();
+  const int units[2] = {state.unit_of_layer(0), state.unit_of_layer(1)};
+  uint64_t key = mix(draw.hash, (lit ? 1u : 0u) + (colored ? 2u : 0u) + 4u * static_cast<unsigned>(units[0] + 1) + 64u * static_cast<unsigned>(units[1] + 1));
+  for (const int unit : units) key = mix(key, hash_of_coordinates(state, unit));
   const auto [at, is_new] = meshes_.try_emplace(key);
   at->second.last_frame = frame_;
   if (is_new) at->second.first_frame = frame_;
   if (!is_new) return at->second.name;
   std::vector<Vertex> vertices = draw.geometry->vertices;
+  for (const int unit : units) make_coordinates(state, unit, vertices);
   if (lit) normalize_normals(vertices);
   const std::vector<uint32_t> triangles = triangles_of(*draw.geometry);
   sideray_mesh_desc desc = sideray_mesh_defaults();
@@ -82,9 +91,9 @@ sideray_mesh TracedScene::mesh(const SceneDraw& draw) {
   desc.indices = triangles.data();
   desc.positions = attribute(vertices[0].position);
   if (lit) desc.normals = attribute(vertices[0].normal);
-  if (draw.state->shows_colors()) desc.colors = attribute(vertices[0].color);
-  desc.uv0 = attribute(vertices[0].uv[0]);
-  desc.uv1 = attribute(vertices[0].uv[1]);
+  if (colored) desc.colors = attribute(vertices[0].color);
+  desc.uv0 = attribute(vertices[0].uv[std::max(units[0], 0)]);
+  desc.uv1 = attribute(vertices[0].uv[std::max(units[1], 0)]);
   uint32_t dropped = 0;
   const sideray_mesh name = scene_.add_mesh(desc, &dropped);
   if (3 * static_cast<size_t>(dropped) >= triangles.size()) {
@@ -96,18 +105,22 @@ sideray_mesh TracedScene::mesh(const SceneDraw& draw) {
 }
 
 sideray_texture TracedScene::texture(const Texture& texture) {
-  const auto [at, is_new] = textures_.try_emplace(texture.hash, 0);
+  const auto [at, is_new] = textures_.try_emplace(texture.hash);
   if (is_new)
-    at->second = scene_.add_texture(static_cast<uint32_t>(texture.width), static_cast<uint32_t>(texture.height), SIDERAY_RGBA8, texture.texels.data());
-  return at->second;
+    at->second.name = scene_.add_texture(static_cast<uint32_t>(texture.width), static_cast<uint32_t>(texture.height), SIDERAY_RGBA8, texture.texels.data());
+  at->second.last_frame = frame_;
+  return at->second.name;
 }
 
 sideray_material TracedScene::material(const SceneDraw& draw, bool mirrors) {
   const Texture &first = *draw.textures[0], &second = *draw.textures[1];
   // Of what is blended (clouds, hills before a sky) rays see what covers more than half.
   const float cutoff = mirrors ? 0 : draw.state->blend ? 0.5f : draw.state->alpha_test ? draw.state->alpha_reference : 0;
-  const auto [at, is_new] = materials_.try_emplace({first.hash, second.hash, mirrors, cutoff}, 0);
-  if (!is_new) return at->second;
+  const auto [at, is_new] = materials_.try_emplace({first.hash, second.hash, mirrors, cutoff});
+  at->second.last_frame = frame_;
+  for (const Texture* used : {&first, &second})
+    if (used->hash != 0 && !mirrors) texture(*used);
+  if (!is_new) return at->second.name;
   sideray_material_desc desc = sideray_material_defaults();
   desc.double_sided = 1;
   desc.alpha_mode = mirrors ? SIDERAY_BLEND : cutoff > 0 ? SIDERAY_MASK : SIDERAY_OPAQUE;
@@ -120,8 +133,8 @@ sideray_material TracedScene::material(const SceneDraw& draw, bool mirrors) {
     desc.emissive_texture.uv_set = 1;
     std::fill_n(desc.emissive, 3, 1.0f);
   }
-  at->second = scene_.add_material(desc);
-  return at->second;
+  at->second.name = scene_.add_material(desc);
+  return at->second.name;
 }
 
 bool TracedScene::place(const SceneDraw& draw, float scale, sideray_instance_desc& instance) {
@@ -159,7 +172,7 @@ uint32_t TracedScene::add_mirror(const SceneDraw& draw) {
   instance.material = material(draw, true);
   instance.user = looks_.add_mirror(*draw.state, draw.tint);
   instance.visibility = SIDERAY_VISIBLE_LAYERS;
-  instance.surface_id = next_id_++;
+  instance.surface_id = names_.name(hash_of(*draw.geometry, {false, false, 0}), draw.textures[0]->hash);
   wanted_.push_back(instance);
   return instance.surface_id;
 }
@@ -183,7 +196,18 @@ void TracedScene::commit() {
     const std::vector<sideray_instance> added = scene_.add_instances(wanted.subspan(common));
     held_.insert(held_.end(), added.begin(), added.end());
   }
+  set_looks();
   scene_.commit();
+}
+
+// Frames in flight go on to read the looks with which they were submitted.
+void TracedScene::set_looks() {
+  sideray_shader_desc shader = sideray_shader_defaults();
+  shader.shade = Looks::shade;
+  shader.user = new Looks(looks_);
+  shader.release = [](void* looks) { delete static_cast<Looks*>(looks); };
+  shader.radiance_space = SIDERAY_SPACE_GAMMA22;  // the fixed function adds up what is shown
+  scene_.set_shader(shader);
 }
 
 }  // namespace sideray::run

@@ -13,6 +13,7 @@
 #include "preload/capture/geometry.h"
 #include "preload/capture/textures.h"
 #include "preload/rays/looks.h"
+#include "preload/rays/surface_names.h"
 
 namespace sideray::run {
 
@@ -21,21 +22,22 @@ struct SceneDraw {
   const Geometry* geometry = nullptr;
   uint64_t hash = 0;  // of the geometry
   const DrawState* state = nullptr;
-  const Texture* textures[2] = {};
+  const Texture* textures[2] = {};  // of layers 0 and 1
   float tint[4] = {1, 1, 1, 1};
 };
 
 class TracedScene {
  public:
   TracedScene();
-  // Empties the frame. Meshes that were not drawn for a while are dropped.
+  // Empties the frame. Meshes, materials and textures that were not drawn for a while are dropped.
   void begin_frame();
   void add_opaque(const SceneDraw& draw);
-  // The `layer`-th sheet of the sky, which is moved out to where it hides nothing.
+  // A sheet of the sky, which is moved out to where it hides nothing.
   void add_sky(const SceneDraw& draw);
-  // What reflects. Returns its surface id; 0 = it is no surface that rays can hit.
+  // What reflects. Returns its surface id, which it had in the frame before too; 0 = it is no surface that rays can hit.
   uint32_t add_mirror(const SceneDraw& draw);
   void set_background(const std::array<float, 3>& color);
+  // Frames that were submitted before keep what they had.
   void commit();
 
   const Tracer& tracer() const { return tracer_; }
@@ -50,23 +52,29 @@ class TracedScene {
     // Vertices that the program makes anew for each frame are not kept for long.
     bool is_old(uint64_t now) const { return now - last_frame > (last_frame > first_frame ? 60u : 2u); }
   };
+  template <typename Name>
+  struct Kept {
+    Name name = 0;
+    uint64_t last_frame = 0;
+  };
   using MaterialKey = std::tuple<uint64_t, uint64_t, bool, float>;
   bool place(const SceneDraw& draw, float scale, sideray_instance_desc& instance);
   sideray_mesh mesh(const SceneDraw& draw);
   sideray_texture texture(const Texture& texture);
   sideray_material material(const SceneDraw& draw, bool mirrors);
-  void drop_old_meshes();
+  void drop_old();
+  void set_looks();
 
   Scene scene_;
   Tracer tracer_;
   Looks looks_;
   uint64_t frame_ = 0;
-  uint32_t next_id_ = 1;
+  SurfaceNames names_;
   int sheets_ = 0;
   std::array<float, 3> background_ = {-1, -1, -1};
   std::map<uint64_t, Mesh> meshes_;
-  std::map<uint64_t, sideray_texture> textures_;
-  std::map<MaterialKey, sideray_material> materials_;
+  std::map<uint64_t, Kept<sideray_texture>> textures_;
+  std::map<MaterialKey, Kept<sideray_material>> materials_;
   std::vector<sideray_instance_desc> wanted_;  // of this frame
   std::vector<sideray_instance> held_;         // in the scene
 };

@@ -590,6 +590,12 @@ vec3 sideray_shadow_color_or(int light, vec3 fallback) {
 }
 float sideray_ao_or(float fallback) { return sideray_knows_ao() ? sideray_ao() : fallback; }
 
+// For a host that is being fitted with masks: what they say at this fragment's pixel, as a colour. Red is the light's share,
+// green the sky's; magenta: the light has no mask here.
+vec3 sideray_debug_masks(int light) {
+  return sideray_has_shadow(light) ? vec3(sideray_shadow(light), sideray_ao(), 0.0) : vec3(1.0, 0.0, 1.0);
+}
+
 // Masks of an earlier frame, after surfaces or the camera have moved (sideray_mask_inputs::moving): a fragment looks
 // them up at the pixels that showed its point then. Its own pixel showed something else.
 uniform sampler2D sideray_mask_depth;  // of each pixel of the masks, along the camera's axis; 0 = nothing was drawn

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <random>
+#include <set>
 
 #include "embed/hosts/glass_host.h"
 
@@ -183,7 +184,8 @@ class FixedFunction : public testing::Test {
     std::vector<glm::vec4> colors;
     const glm::mat3 world_from_eye(glm::inverse(eye_from_world));
     for (const Point& p : points)
-      for (const glm::vec2 corner : {glm::vec2(-1, -1), {1, -1}, {1, 1}, {-1, -1}, {1, 1}, {-1, 1}}) {
+      for (glm::vec2 corner : {glm::vec2(-1, -1), {1, -1}, {1, 1}, {-1, -1}, {1, 1}, {-1, 1}}) {
+        if (is_left_handed && !keeps_winding) std::swap(corner.x, corner.y);  // clockwise ones face front
         positions.push_back(glm::vec3(p.place) + world_from_eye * glm::vec3(0.003f * corner, 0));
         normals.push_back(p.normal);
         colors.push_back(p.color);
@@ -260,13 +262,66 @@ class FixedFunction : public testing::Test {
     std::printf("  %-40s %.2f codes\n", term.c_str(), static_cast<double>(most));
   }
 
+  // A square over 16x16 pixels, and 16x16 texels: those that are drawn.
+  std::set<int> drawn_by_alpha(const glm::vec2 (&corners)[4], const std::vector<uint8_t>& texels, float reference) const {
+    gl.BindFramebuffer(GL_FRAMEBUFFER, host.framebuffer());
+    gl.Viewport(0, 0, 16, 16);
+    gl.Disable(GL_DEPTH_TEST);
+    gl.ClearColor(0, 0, 0, 0);
+    gl.Clear(GL_COLOR_BUFFER_BIT);
+    gl.AlphaFunc(GL_GEQUAL, reference);
+    gl.Enable(GL_TEXTURE_2D);
+    gl.BindTexture(GL_TEXTURE_2D, texture_.id());
+    for (const GLenum filter : {GLenum{GL_TEXTURE_MIN_FILTER}, GLenum{GL_TEXTURE_MAG_FILTER}}) gl.TexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+    gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, 16, 16, 0, GL_RGBA, GL_UNSIGNED_BYTE, texels.data());
+    gl.Begin(GL_QUADS);
+    gl.Color4f(1, 1, 1, 1);
+    for (const glm::vec2& c : corners) gl.TexCoord2f(0.5f + 0.5f * c.x, 0.5f + 0.5f * c.y), gl.Vertex3f(c.x, c.y, 0);
+    gl.End();
+    gl.Disable(GL_TEXTURE_2D);
+    std::vector<glm::vec4> pixels(256);
+    gl.ReadPixels(0, 0, 16, 16, GL_RGBA, GL_FLOAT, pixels.data());
+    std::set<int> drawn;
+    for (int i = 0; i < 256; ++i)
+      if (pixels[static_cast<size_t>(i)].x > 0) drawn.insert(i);
+    return drawn;
+  }
+  // The same square: those texels that a ray through their middle hits.
+  std::set<int> hit_by_alpha(const glm::vec2 (&corners)[4], sideray_texture texture, float cutoff) {
+    glm::vec3 positions[4];
+    glm::vec2 uvs[4];
+    for (size_t i = 0; i < 4; ++i) positions[i] = glm::vec3(corners[i], 40), uvs[i] = 0.5f * corners[i] + 0.5f;
+    const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
+    sideray_mesh_desc mesh = sideray_mesh_defaults();
+    mesh.vertex_count = 4, mesh.index_count = 6, mesh.indices = indices;
+    mesh.positions.data = &positions[0].x, mesh.uv0.data = &uvs[0].x;
+    sideray_material_desc material = sideray_material_defaults();
+    material.alpha_mode = SIDERAY_MASK, material.alpha_cutoff = cutoff, material.double_sided = 1;
+    material.base_color_texture.texture = texture, material.base_color_texture.filter = SIDERAY_NEAREST;
+    sideray_instance_desc square = host.pane_desc();
+    square.mesh = host.scene().add_mesh(mesh), square.material = host.scene().add_material(material);
+    square.surface_id = 77, square.visibility = SIDERAY_VISIBLE_ALL;
+    const sideray_instance instance = host.scene().add_instances({&square, 1}).front();
+    host.scene().commit();
+    std::vector<sideray_ray> rays;
+    for (int i = 0; i < 256; ++i)
+      rays.push_back({{(i % 16 + 0.5) / 8 - 1, (i / 16 + 0.5) / 8 - 1, 41}, {0, 0, -1}, 0, 2});
+    const std::vector<sideray_hit> hits = host.tracer().trace(SIDERAY_RAYS_OPAQUE, rays);
+    host.scene().remove_instances(std::array{instance});
+    std::set<int> hit;
+    for (int i = 0; i < 256; ++i)
+      if (hits[static_cast<size_t>(i)].surface_id == 77) hit.insert(i);
+    return hit;
+  }
+
   GlassHost host{gl::Profile::compatibility};
   const gl::Functions& gl;
   Numbers numbers;
   std::vector<Point> points;
   const glm::dvec3 eye{0.3, 0.2, 3};
   const glm::dmat4 clip_from_eye = glm::perspective(0.9, double{GlassHost::width} / GlassHost::height, 0.1, 50.0);
-  const glm::dmat4 eye_from_world = glm::lookAt(eye, glm::dvec3(0), glm::dvec3(0, 1, 0));
+  glm::dmat4 eye_from_world = glm::lookAt(eye, glm::dvec3(0), glm::dvec3(0, 1, 0));
+  bool is_left_handed = false, keeps_winding = false;
 
  private:
   gl::Renderbuffer depth_;
@@ -360,6 +415,44 @@ TEST_F(FixedTerms, TextureEnvironments) {
     look.model.separate_specular = 1;
     expect_parity(look, "the same with colours, apart " + std::to_string(environment));
   }
+}
+
+// The same world with its z the other way, as left-handed engines have it: docs/fixed-function.md.
+TEST_F(FixedFunction, LeftHandedWorldsLookTheSame) {
+  Look look;
+  for (const int kind : {0, 1, 2}) look.lights.push_back(random_light(kind));
+  numbers.color(look.material.specular, 1), look.material.shininess = 8;
+  const GlassHost::Picture right = trace(look);
+  is_left_handed = true;
+  eye_from_world = glm::scale(eye_from_world, glm::dvec3(1, 1, -1));
+  for (Point& p : points) p.place.z = -p.place.z, p.normal.z = -p.normal.z;
+  for (sideray_fixed_light& l : look.lights) l.position[2] = -l.position[2], l.spot_direction[2] = -l.spot_direction[2];
+  const auto apart = [&](const GlassHost::Picture& left) {
+    float most = 0;
+    for (int i = 0; i < point_count; ++i)
+      for (int c = 0; c < 4; ++c) most = std::max(most, std::abs(left[texel(i)][c] - right[texel(i)][c]));
+    return most / code;
+  };
+  EXPECT_LT(apart(trace(look)), 0.1f);
+  keeps_winding = true;
+  EXPECT_GT(apart(trace(look)), 10.0f) << "counter-clockwise triangles show their backs there";
+}
+
+// glAlphaFunc(GL_GEQUAL, ...) is SIDERAY_MASK: rays hit just those of all 256 alphas that OpenGL draws.
+TEST_F(FixedFunction, AlphaTest) {
+  constexpr int side = 16;
+  std::vector<uint8_t> texels(size_t{4} * side * side, 255);
+  for (size_t i = 0; i < texels.size() / 4; ++i) texels[4 * i + 3] = static_cast<uint8_t>(i);
+  const glm::vec2 corners[] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+  const sideray_texture texture = host.scene().add_texture(side, side, SIDERAY_RGBA8, texels.data());
+  for (const GLenum mode : {GLenum{GL_PROJECTION}, GLenum{GL_MODELVIEW}}) gl.MatrixMode(mode), gl.LoadIdentity();
+  gl.Enable(GL_ALPHA_TEST);
+  for (const int least : {1, 64, 128, 200, 255}) {
+    const std::set<int> drawn = drawn_by_alpha(corners, texels, static_cast<float>(least) * code);
+    EXPECT_EQ(drawn.size(), size_t{256} - static_cast<size_t>(least));
+    EXPECT_EQ(hit_by_alpha(corners, texture, static_cast<float>(least) * code), drawn) << least;
+  }
+  gl.Disable(GL_ALPHA_TEST);
 }
 
 TEST_F(FixedFunction, AllOfItTogether) {

@@ -1,6 +1,9 @@
 // Whole programs for hosts without shaders: the picture of the fixed function, and the service's answers in it.
 #include <gmock/gmock.h>
 
+#include <glm/gtc/constants.hpp>
+#include <glm/gtc/matrix_access.hpp>
+
 #include "embed/hosts/glass_host.h"
 
 namespace sideray::tests {
@@ -57,6 +60,17 @@ class OldHost : public testing::Test {
       gl.Enable(modes[i]);
     }
     gl.PopMatrix();
+    gl.ActiveTexture(GL_TEXTURE0);
+  }
+  // The same by the object's world matrix, whatever MODELVIEW holds.
+  void generate_positions_of(const glm::dmat4& world_from_object) const {
+    gl.ActiveTexture(GL_TEXTURE7);
+    for (int i = 0; i < 3; ++i) {
+      const glm::vec4 row(glm::row(world_from_object, i));
+      gl.TexGeni(GL_S + static_cast<GLenum>(i), GL_TEXTURE_GEN_MODE, GL_OBJECT_LINEAR);
+      gl.TexGenfv(GL_S + static_cast<GLenum>(i), GL_OBJECT_PLANE, glm::value_ptr(row));
+      gl.Enable(GL_TEXTURE_GEN_S + static_cast<GLenum>(i));
+    }
     gl.ActiveTexture(GL_TEXTURE0);
   }
   // A program without a vertex shader.
@@ -225,6 +239,30 @@ TEST_F(OldHost, AFragmentShaderAloneKeepsTheFixedFunction) {
     ASSERT_NEAR(ready[i].w, fixed[i].w, 1.0f / 255);
   }
   gl.DeleteProgram(without), gl.DeleteProgram(with);
+}
+
+// The recipe of docs/fixed-function.md for engines that never have the view alone in MODELVIEW: the pane is turned by a right
+// angle and moved within its plane.
+TEST_F(OldHost, PlacesComeFromTheObjectsMatrixToo) {
+  FrameInputs in = host.inputs();
+  in.layers->float_ids = 1;
+  host.trace(in);
+  const uint32_t program = fragment_alone(float{GlassHost::glass_id});
+  ASSERT_EQ(sideray_service_bind(host.service().get(), 0, program, 1, nullptr), SIDERAY_OK);
+  const GlassHost::Picture pane = draw(0);
+  const glm::dmat4 world_from_object = glm::rotate(glm::translate(glm::dmat4(1.0), {0.5, 0.25, 0}), glm::half_pi<double>(), {0, 0, 1});
+  generate_positions_of(world_from_object);
+  gl.LoadMatrixd(glm::value_ptr(eye_from_world * world_from_object));
+  const GlassHost::Picture moved = draw(0), ready = draw(program);
+  size_t glowing = 0;
+  for (size_t i = 0; i < pane.size(); ++i) {
+    if (pane[i].w == 0 || moved[i].w == 0) continue;
+    ++glowing;
+    ASSERT_NEAR(ready[i].x, 0.25f, 1.0f / 255) << i;
+    ASSERT_NEAR(ready[i].y, 0.5f, 1.0f / 255);
+  }
+  EXPECT_GT(glowing, 500u);
+  gl.DeleteProgram(program);
 }
 
 // Ids of another type would read as none, without an error of OpenGL's: each fragment would say that its id is another.

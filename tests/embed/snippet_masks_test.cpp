@@ -218,6 +218,23 @@ TEST_F(SnippetMasks, AnswerOneWithoutMasks) {
   for (const std::array<uint8_t, 4>& texel : ao_alone) ASSERT_EQ(texel[1], 255);
 }
 
+TEST_F(SnippetMasks, AreShownAsColours) {
+  const auto shows_1 = make_program("result = vec4(sideray_debug_masks(1), 1.0);");
+  const auto shows_0 = make_program("result = vec4(sideray_debug_masks(0), 1.0);");
+  const std::array<uint8_t, 4> magenta = {255, 0, 255, 255};
+  trace(0b1010, 4);
+  const Texels seen = draw(*shows_1), shares = draw(*program_);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const auto at = static_cast<size_t>(y * width + x);
+      const int i = x - left, j = y - bottom;
+      const bool inside = i >= 0 && j >= 0 && i < masked_width && j < masked_height;
+      const std::array<uint8_t, 4> expected = inside ? std::array<uint8_t, 4>{shares[at][1], shares[at][3], 0, 255} : magenta;
+      ASSERT_EQ(seen[at], expected) << x << "," << y;
+    }
+  EXPECT_EQ(draw(*shows_0), Texels(seen.size(), magenta)) << "a light without a mask";
+}
+
 // Under a budget of one piece the sky is known everywhere, by a few samples a tile, and a light's mask in one tile alone: elsewhere the
 // host's own shadow map answers.
 TEST_F(SnippetMasks, UnderABudgetLeaveTheRestToTheHost) {

@@ -3,16 +3,19 @@
 
 Skipped (77) without Xvfb, GLX or libsideray_run.so, which fails instead where SIDERAY_REQUIRE_CONTEXTS is set.
 """
+import math
 import os
 import pathlib
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
+import zlib
 
 PROGRAM, FIXED = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
 
@@ -40,9 +43,30 @@ class Picture:
         assert magic == b"P6"
         self.width, self.height = int(width), int(height)
 
+    @classmethod
+    def of_png(cls, path):
+        """One of `--pictures`, which are not compressed and have no filters."""
+        data, chunks, place = path.read_bytes(), b"", 8
+        while place < len(data):
+            size, name = struct.unpack(">I4s", data[place:place + 8])
+            body = data[place + 8:place + 8 + size]
+            if name == b"IHDR":
+                width, height = struct.unpack(">II", body[:8])
+            if name == b"IDAT":
+                chunks += body
+            place += 12 + size
+        rows = zlib.decompress(chunks)
+        picture = cls.__new__(cls)
+        picture.width, picture.height = width, height
+        picture.pixels = b"".join(rows[y * (3 * width + 1) + 1:(y + 1) * (3 * width + 1)] for y in range(height))
+        return picture
+
     def at(self, x, y):
         place = 3 * (y * self.width + x)
         return tuple(self.pixels[place:place + 3])
+
+    def largest_difference(self, other):
+        return max(abs(a - b) for a, b in zip(self.pixels, other.pixels))
 
     def changed(self, other):
         """The pixels that differ, as (x, y)."""
@@ -148,6 +172,69 @@ class RunTest(unittest.TestCase):
         self.assertEqual((seen.width, seen.height, said), (400, 200, ""))
         self.assertEqual(figures["frames_with_rays"], 4)
 
+    def test_another_level_leaves_nothing_of_the_first(self):
+        """Lists and textures are deleted and made anew, under the same names, and the window has another size."""
+        for options in ((), ("--late",)):
+            seen, said, _ = self.run_fixed("levels", "slow", frames=20, options=options)
+            fresh, _, _ = self.run_fixed("level2", "slow", frames=20, options=options)
+            self.assertEqual((said, seen.width, len(seen.changed(fresh))), ("", 400, 0), options)
+
+    def test_late_answers_are_those_of_a_frame_that_stands_still(self):
+        waited, _, all_of_them = self.run_fixed("smoke", frames=40)
+        late, said, figures = self.run_fixed("smoke", "slow", frames=40, options=["--late"])
+        self.assertEqual((said, late.pixels), ("", waited.pixels))
+        self.assertGreater(figures["fragments_by_rays"], 0.7 * all_of_them["fragments_by_rays"])
+
+    def test_late_answers_follow_the_eye(self):
+        waited, _, all_of_them = self.run_fixed("turn", frames=40)
+        late, _, figures = self.run_fixed("turn", "slow", frames=40, options=["--late"])
+        plain = self.plain("turn", frames=40)
+        self.assertGreater(figures["fragments_by_rays"], 0.7 * all_of_them["fragments_by_rays"])
+        # Nearly all that rays change is changed late too, and alike.
+        pane = waited.changed(plain)
+        self.assertGreater(len(late.changed(plain) & pane), 0.9 * len(pane))
+        alike = sum(1 for x, y in pane if max(abs(a - b) for a, b in zip(late.at(x, y), waited.at(x, y))) <= 3)
+        self.assertGreater(alike, 0.95 * len(pane))
+
+    def floor_rule(self):
+        """A rules file that makes the floor a mirror."""
+        self.run_fixed(options=["--off"])
+        hashes = re.findall(r"<code>([0-9a-f]{16})</code></td><td><img", (self.folder / "report.html").read_text())
+        self.assertEqual(len(hashes), 1)
+        (self.folder / "rules").write_text(f"mirror texture {hashes[0]} reflectance=0.5  # the floor\n")
+        return ["--rules", "rules"]
+
+    def test_generated_coordinates_are_mirrored(self):
+        rules = self.floor_rule()
+        for mode in ("object", "eye", "sphere"):
+            generated, _, _ = self.run_fixed(mode, options=rules)
+            explicit, _, _ = self.run_fixed(mode, "explicit", options=rules)
+            self.assertLessEqual(generated.largest_difference(explicit), 2, mode)
+
+    def test_fog_lies_over_what_is_mirrored(self):
+        plain, (seen, _, _) = self.plain("fog"), self.run_fixed("fog")
+        x, y = 150, 100
+        # The red box's top, y = 1, behind the mirror: 1.8 below the eye, which looks down by 12 degrees.
+        ray_y, pitch = 0.5 * (1 - 2 * (y + 0.5) / 240), math.radians(12)
+        depth = -0.8 / (math.cos(pitch) * ray_y - math.sin(pitch))
+        share = (12 - depth) / 10
+        for channel, (red, fog) in enumerate(zip((0.9, 0.1, 0.1), (0.1, 0.2, 0.9))):
+            mirrored = 255 * (share * min(1, red * (0.2 + 0.8305)) + (1 - share) * fog)
+            self.assertAlmostEqual(seen.at(x, y)[channel], 0.96 * plain.at(x, y)[channel] + 0.04 * mirrored, delta=1)
+            self.assertGreater(abs(mirrored - 255 * min(1, red * 1.0305)), 0)
+
+    def test_egl_is_followed(self):
+        seen, said, figures = self.run_fixed("egl", "smoke")
+        self.assertEqual((said, seen.pixels), ("", self.run_fixed("smoke")[0].pixels))
+        self.assertEqual(figures["frames_with_rays"], 3)
+
+    def test_no_debug_message_is_an_error(self):
+        (self.folder / "pictures").mkdir()
+        for options in ((), ("--late",), ("--off",), ("--pictures", "pictures")):
+            _, said, figures = self.run_fixed("debug", "smoke", "overlay", "resize", "lists", "fog", "sphere", frames=6, options=options)
+            self.assertEqual(said, "")
+            self.assertEqual(figures["draws_held"] == 0, options == ("--off",))
+
     def test_lists_are_made_anew(self):
         seen, _, figures = self.run_fixed("lists", frames=200)
         once, _, _ = self.run_fixed()
@@ -155,24 +242,38 @@ class RunTest(unittest.TestCase):
         self.assertLess(figures["meshes_kept"], 8)
 
     def test_a_killed_program_dies_as_ever(self):
-        process = subprocess.Popen([PROGRAM, "run", "--report", "report.html", "--", FIXED, "1000000", "run.ppm"], env=self.display.environment,
-                                   cwd=self.folder, stderr=subprocess.PIPE)
-        deadline = time.monotonic() + 60
-        while not (self.folder / "report.html").exists() and time.monotonic() < deadline:
-            time.sleep(0.1)
-        process.terminate()
-        self.assertEqual(process.wait(timeout=20), -signal.SIGTERM)
-        self.assertEqual(process.stderr.read(), b"")
-        process.stderr.close()
-        self.assertIn("frames_with_rays", (self.folder / "report.html").read_text())
+        for how in (signal.SIGTERM, signal.SIGKILL):
+            report = self.folder / f"{how.name}.html"
+            process = subprocess.Popen([PROGRAM, "run", "--report", report, "--", FIXED, "1000000", "run.ppm"], env=self.display.environment,
+                                       cwd=self.folder, stderr=subprocess.PIPE)
+            deadline = time.monotonic() + 60
+            while not report.exists() and time.monotonic() < deadline:
+                time.sleep(0.1)
+            process.send_signal(how)
+            self.assertEqual(process.wait(timeout=20), -how)
+            self.assertEqual(process.stderr.read(), b"")
+            process.stderr.close()
+            self.assertIn("frames_with_rays", report.read_text())
+
+    def test_a_program_that_leaves_from_a_signal_handler_leaves(self):
+        """Also where rays are waited for then, which the overlay makes them be."""
+        for repeat in range(4):
+            report = self.folder / f"{repeat}.html"
+            process = subprocess.Popen([PROGRAM, "run", "--report", report, "--", FIXED, "1000000", "run.ppm", "overlay", "handler"], env=self.display.environment,
+                                       cwd=self.folder, stderr=subprocess.PIPE)
+            while not report.exists() and process.poll() is None:
+                time.sleep(0.05)
+            process.terminate()
+            try:
+                self.assertEqual(process.wait(timeout=20), 3)
+            finally:
+                process.kill()
+                process.stderr.close()
 
     def test_a_rule_makes_the_floor_a_mirror(self):
-        self.run_fixed(options=["--off"])
-        hashes = re.findall(r"<code>([0-9a-f]{16})</code></td><td><img", (self.folder / "report.html").read_text())
-        self.assertEqual(len(hashes), 1)
-        (self.folder / "rules").write_text(f"mirror texture {hashes[0]} reflectance=0.5  # the floor\n")
+        rules = self.floor_rule()
         plain = self.plain()
-        seen, said, figures = self.run_fixed(options=["--rules", "rules"])
+        seen, said, figures = self.run_fixed(options=rules)
         self.assertEqual(said, "")
         self.assertEqual(figures["draws_held"], 6)
         # Half of the floor, and half of the sky that stands above it.
@@ -188,11 +289,40 @@ class RunTest(unittest.TestCase):
         self.assertIn("camera0", done.stdout)
 
     def test_pictures_without_and_with_rays(self):
+        """The program's own picture, the one with rays, and where rays are: all else is the same, and the run goes on."""
         (self.folder / "pictures").mkdir()
-        self.run_fixed(frames=2, options=["--pictures", "pictures"])
-        self.assertEqual(sorted(path.name for path in (self.folder / "pictures").iterdir()), ["0-after.png", "0-before.png"])
-        done = self.start([PROGRAM, "compare", "pictures/0-after.png", "pictures/0-before.png"])
-        self.assertNotIn("inf", done.stdout.splitlines()[0], done.stdout)
+        plain, (with_rays, _, _) = self.plain("smoke", "late_box", frames=1), self.run_fixed("smoke", "late_box", frames=1)
+        seen, said, _ = self.run_fixed("smoke", "late_box", frames=1, options=["--pictures", "pictures"])
+        self.assertEqual(said, "")
+        self.assertLessEqual(seen.largest_difference(with_rays), 1)
+        self.assertEqual(sorted(path.name for path in (self.folder / "pictures").iterdir()), ["0-marks.png", "0-own.png", "0-rays.png"])
+        own, rays, marks = (Picture.of_png(self.folder / "pictures" / f"0-{which}.png") for which in ("own", "rays", "marks"))
+        # Vertices that come from arrays may be rounded otherwise.
+        self.assertLessEqual(own.largest_difference(plain), 1)
+        self.assertLessEqual(rays.largest_difference(with_rays), 1)
+        marked = {(x, y) for x in range(marks.width) for y in range(marks.height) if marks.at(x, y) != (0, 0, 0)}
+        self.assertGreater(len(marked), 5000)
+        self.assertLessEqual(own.changed(rays), marked)
+
+    def test_what_a_held_draw_writes_into_the_stencil_is_waited_for(self):
+        """A box that is drawn where the pane has written the stencil."""
+        plain, without = self.plain("stencil", "late_box"), self.plain("stencil")
+        seen, _, _ = self.run_fixed("stencil", "late_box")
+        box = plain.changed(without)
+        self.assertGreater(len(box), 300)
+        for x, y in box:
+            for a, b in zip(plain.at(x, y), seen.at(x, y)):
+                self.assertAlmostEqual(a, b, delta=1)
+
+    def test_pictures_keep_the_stencil(self):
+        (self.folder / "pictures").mkdir()
+        plain = self.plain("stencil", "smoke", frames=1)
+        seen, said, _ = self.run_fixed("stencil", "smoke", frames=1, options=["--pictures", "pictures"])
+        own = Picture.of_png(self.folder / "pictures" / "0-own.png")
+        self.assertEqual(said, "")
+        self.assertLessEqual(own.largest_difference(plain), 1)
+        # Smoke is where the pane is, after the pictures too.
+        self.assertLessEqual(seen.largest_difference(Picture.of_png(self.folder / "pictures" / "0-rays.png")), 0)
 
     def test_wrong_rules_are_refused_in_one_line(self):
         (self.folder / "rules").write_text("# glass\nglas texture 0123456789abcdef\n")
