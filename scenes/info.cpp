@@ -338,6 +338,7 @@ std::string info_json(const Content& content) {
   for (const Animation& animation : content.animations) {
     json["animations"].push_back({{"name", animation.name}, {"length_s", animation.length_s}});
   }
+  json["variants"] = content.variants;
   for (size_t i = 0; i < content.materials.size(); ++i) json["materials"].push_back(material_json(content, i));
   for (const Emitter& emitter : content.emitters) json["particles"].push_back(emitter_json(content, emitter));
   json["extensions"] = content.extensions;
@@ -373,7 +374,8 @@ std::string info_text(const Content& content) {
         fmt::format("{}: {}, {:.4g} {:.4g} {:.4g}", light.name, type_name(light.light.type), i[0], i[1], i[2]));
   }
   text += section("cameras", cameras) + section("lights", lights) +
-          section("translucent objects", object_lines(content)) + section("materials", material_lines(content));
+          section("translucent objects", object_lines(content)) + section("materials", material_lines(content)) +
+          section("variants of materials", content.variants);
   text +=
       section("particles", emitters) + section("animations", animations) + section("extensions", content.extensions);
   return text + section("defaulted", content.defaulted) + section("warnings", content.warnings);

@@ -116,6 +116,16 @@ void check_animation(const Content& content, const std::string& name) {
       fmt::format("no animation {}: the scene has others; choose all or one of {}", name, fmt::join(names, ", ")));
 }
 
+void check_variant(const Content& content, const std::string& name) {
+  const std::vector<std::string>& names = content.variants;
+  if (name.empty() || std::find(names.begin(), names.end(), name) != names.end()) return;
+  if (names.empty())
+    throw UnknownVariant(SIDERAY_INVALID_ARGUMENT, fmt::format("no variant {}: the scene has none; name none", name));
+  throw UnknownVariant(SIDERAY_INVALID_ARGUMENT,
+                       printable(fmt::format("no variant {}: the scene has others; choose one of {}", name,
+                                             fmt::join(names, ", "))));
+}
+
 void fill(Scene& scene, const Content& content, const std::vector<bool>& traced) {
   std::vector<sideray_texture> textures;
   for (const Texture& texture : content.textures) {

@@ -94,11 +94,13 @@ Renderer make_renderer(const RenderOptions& options) {
 
 Content load(const RenderOptions& options) {
   try {
-    return scenes::load(options.scene, {.animation = options.animation, .time_s = options.time_s,
+    return scenes::load(options.scene, {.animation = options.animation, .variant = options.variant, .time_s = options.time_s,
                                          .default_light = options.default_light});
   } catch (const scenes::UnknownScene& error) {
     throw UsageError(error.what());
   } catch (const scenes::UnknownAnimation& error) {
+    throw UsageError(error.what());
+  } catch (const scenes::UnknownVariant& error) {
     throw UsageError(error.what());
   }
 }
@@ -142,8 +144,9 @@ std::string played(const RenderOptions& options, const Content& content) {
 
 void SceneChecks::check(const RenderOptions& options) {
   const std::string light = options.default_light ? "lit" : "unlit";
-  if (!passed_.insert({options.scene, options.animation, light, options.camera, options.environment}).second) return;
-  if (const std::array<std::string, 3> wanted{options.scene, options.animation, light}; loaded_ != wanted) {
+  const Loaded wanted{options.scene, options.animation, options.variant, light};
+  if (!passed_.insert({wanted, options.camera, options.environment}).second) return;
+  if (loaded_ != wanted) {
     content_ = load(options);
     loaded_ = wanted;
   }

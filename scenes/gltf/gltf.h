@@ -79,6 +79,10 @@ std::vector<PlacedNode> place_nodes(const File& file, Rig& rig, Content& content
 // defaults and a warning.
 void read_materials(const File& file, std::span<const PlacedNode> nodes, Content& content);
 
+// Lists the variants of materials, and gives each primitive the material that it has in `wanted` of them
+// (LoadOptions::variant), so that no later step knows of them. Throws Error and UnknownVariant.
+void apply_variant(File& file, const std::string& wanted, Content& content);
+
 // Lists all animations and plays `wanted` of them (LoadOptions::animation). Throws UnknownAnimation.
 void read_animations(const File& file, const std::vector<PlacedNode>& nodes, const std::string& wanted, Rig& rig,
                      Content& content);

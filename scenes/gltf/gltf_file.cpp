@@ -252,7 +252,7 @@ const char* const* note_of(const std::string& extension) {
                                                         {"KHR_materials_specular", nullptr},
                                                         {"KHR_materials_transmission", nullptr},
                                                         {"KHR_materials_unlit", nullptr},
-                                                        {"KHR_materials_variants", "the default variant is shown"},
+                                                        {"KHR_materials_variants", nullptr},
                                                         {"KHR_materials_volume", nullptr},
                                                         {"KHR_mesh_quantization", nullptr},
                                                         {"KHR_texture_transform", nullptr},

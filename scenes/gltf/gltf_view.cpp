@@ -266,6 +266,7 @@ Content load(const std::string& path, const LoadOptions& options) {
   content.hash = file.hash;
   content.warnings = std::move(file.warnings);
   content.extensions = file.model.extensionsUsed;
+  apply_variant(file, options.variant, content);
   const auto rig = std::make_shared<Rig>();
   std::vector<PlacedNode> nodes = place_nodes(file, *rig, content);
   read_animations(file, nodes, options.animation, *rig, content);
