@@ -115,6 +115,16 @@ std::vector<double> pose_of(const Content& content) {
       add(content.lights[a.index].light.position);
       add(content.lights[a.index].light.direction);
     }
+    for (const scenes::AnimatedLight& a : rig->light_values) {
+      const sideray_light& light = content.lights[a.light].light;
+      add(light.intensity);
+      add(std::array{light.range, light.inner_cone, light.outer_cone});
+    }
+    for (const scenes::AnimatedMaterial& a : rig->materials) {
+      const sideray_material_desc& desc = content.materials[a.shown.front().material].desc;
+      const auto* bytes = reinterpret_cast<const unsigned char*>(&desc);
+      add(std::vector<unsigned char>(bytes, bytes + sizeof(desc)));
+    }
     for (const scenes::SkinnedMesh& skinned : rig->skinned) {
       add(content.meshes[skinned.mesh].positions);
       add(content.meshes[skinned.mesh].normals);

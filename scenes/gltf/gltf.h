@@ -70,6 +70,7 @@ struct PlacedNode {
   size_t node;
   glm::dmat4 world_from_node;
   bool moves = false;
+  bool is_hidden = false;  // by KHR_node_visibility, at any time: nothing of it is read
   uint32_t first_object = 0, object_count = 0;  // of Content::objects, once they are read
 };
 // Fills rig.nodes; the nodes stand at rest.
@@ -83,9 +84,17 @@ void read_materials(const File& file, std::span<const PlacedNode> nodes, Content
 // (LoadOptions::variant), so that no later step knows of them. Throws Error and UnknownVariant.
 void apply_variant(File& file, const std::string& wanted, Content& content);
 
-// Lists all animations and plays `wanted` of them (LoadOptions::animation). Throws UnknownAnimation.
-void read_animations(const File& file, const std::vector<PlacedNode>& nodes, const std::string& wanted, Rig& rig,
-                     Content& content);
+// A value of a material, light or camera that a channel changes (gltf_pointer.h).
+struct PointerTarget;
+struct AnimatedValue {
+  std::shared_ptr<const PointerTarget> target;
+  Channel channel;
+};
+
+// Lists all animations and plays `wanted` of them (LoadOptions::animation): those of nodes by channels of the rig. Returns
+// the others. Throws UnknownAnimation.
+std::vector<AnimatedValue> read_animations(const File& file, const std::vector<PlacedNode>& nodes,
+                                           const std::string& wanted, Rig& rig, Content& content);
 
 // Number of morph targets of a node's mesh; 0 where it has no mesh.
 size_t target_count(const File& file, const tinygltf::Node& node);
@@ -131,8 +140,13 @@ void warn_of_unused_images(const File& file, Content& content);
 // Each adds what moves to the rig. read_objects returns for each object its place in the scene's order, or any_place.
 constexpr uint32_t any_place = UINT32_MAX;
 std::vector<uint32_t> read_objects(const File& file, std::span<PlacedNode> nodes, Rig& rig, Content& content);
-void read_cameras(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content);
-void read_lights(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content);
+// Which light or camera of the content is one of the file, on a node of the rig.
+struct ReadThing {
+  size_t of_file;
+  uint32_t node, of_content;
+};
+std::vector<ReadThing> read_cameras(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content);
+std::vector<ReadThing> read_lights(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content);
 // Winds and emitters.
 void read_node_extras(const File& file, std::span<const PlacedNode> nodes, Content& content);
 
@@ -140,7 +154,12 @@ void read_node_extras(const File& file, std::span<const PlacedNode> nodes, Conte
 // holds no longer.
 void order_objects(std::span<const uint32_t> places, Rig& rig, Content& content);
 // Multiplies thickness, which the file gives in the mesh's space, by the scale of the objects that have the material.
-void scale_thickness(Content& content);
+// `thickness_varies`: materials that may get one later. Returns what has been scaled; the first of a source is itself.
+struct ScaledMaterial {
+  uint32_t source, material;  // of Content::materials
+  float scale;
+};
+std::vector<ScaledMaterial> scale_thickness(const std::set<uint32_t>& thickness_varies, Content& content);
 
 Content load(const std::string& path, const LoadOptions& options);
 

@@ -238,6 +238,7 @@ const char* const* note_of(const std::string& extension) {
   static const std::map<std::string, const char*> known{{"EXT_mesh_gpu_instancing", nullptr},
                                                         {"EXT_meshopt_compression", nullptr},
                                                         {"EXT_texture_webp", nullptr},
+                                                        {"KHR_animation_pointer", nullptr},
                                                         {"KHR_draco_mesh_compression", nullptr},
                                                         {"KHR_lights_punctual", nullptr},
                                                         {"KHR_materials_anisotropy", nullptr},
@@ -255,6 +256,7 @@ const char* const* note_of(const std::string& extension) {
                                                         {"KHR_materials_variants", nullptr},
                                                         {"KHR_materials_volume", nullptr},
                                                         {"KHR_mesh_quantization", nullptr},
+                                                        {"KHR_node_visibility", nullptr},
                                                         {"KHR_texture_transform", nullptr},
                                                         {"MSFT_lod", "the most detailed level is shown"}};
   const auto found = known.find(extension);
@@ -516,6 +518,7 @@ File read(const std::string& path, Budget& budget) {
     changed |= mend_uris(root, folder, file);
     changed |= hide_empty_primitives(root);
     file.broken_cameras = hide_broken_cameras(root);
+    changed |= mend_targets(root);
     changed |= mend_spots(root) || !file.broken_cameras.empty();
     changed |= point_at_compressed(root, path);
     changed |= hide_draco_indices(root, path);

@@ -301,6 +301,7 @@ class MaterialReader {
 std::vector<bool> shown_materials(const File& file, std::span<const PlacedNode> nodes) {
   std::vector<bool> shown(file.model.materials.size(), false);
   for (const PlacedNode& placed : nodes) {
+    if (placed.is_hidden) continue;
     const auto mesh = static_cast<size_t>(file.model.nodes[placed.node].mesh);
     if (mesh >= file.model.meshes.size()) continue;
     for (const tinygltf::Primitive& primitive : file.model.meshes[mesh].primitives) {

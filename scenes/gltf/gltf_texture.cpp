@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "elementary/functions.h"
 #include "scenes/base/limits.h"
 
 namespace sideray::scenes::gltf {
@@ -73,20 +72,21 @@ size_t TextureReader::image_of(const tinygltf::Texture& texture, const std::stri
   return checked_index(file_, image, file_.model.images.size(), "image", user);
 }
 
-// KHR_texture_transform: scale, then turn counter-clockwise as seen (v points down), then move.
+TextureTransform read_transform(const File& file, const tinygltf::Value& e) {
+  const std::vector<double> offset = numbers(file, e, "offset", {0, 0}), scale = numbers(file, e, "scale", {1, 1});
+  return {{offset[0], offset[1]}, {scale[0], scale[1]}, number(file, e, "rotation", 0.0)};
+}
+
 void TextureReader::transform(const tinygltf::ExtensionMap& extensions, const std::string& user, sideray_texture_slot& slot,
                               int& uv_set) const {
   const tinygltf::Value* e = extension(extensions, "KHR_texture_transform");
   if (e == nullptr) return;
-  const std::vector<double> offset = numbers(file_, *e, "offset", {0, 0});
-  const std::vector<double> scale = numbers(file_, *e, "scale", {1, 1});
-  const double rotation = number(file_, *e, "rotation", 0.0);
-  const double c = elementary::cos(rotation), s = elementary::sin(rotation);
-  const double texture_from_uv[6] = {c * scale[0], -s * scale[0], s * scale[1], c * scale[1], offset[0], offset[1]};
+  const std::array<double, 6> texture_from_uv = scenes::texture_from_uv(read_transform(file_, *e));
   for (int i = 0; i < 6; ++i) {
-    if (!(std::abs(texture_from_uv[i]) <= limits::coordinate))
+    const double number = texture_from_uv[static_cast<size_t>(i)];
+    if (!(std::abs(number) <= limits::coordinate))
       refuse("cannot read {}: {} has a KHR_texture_transform with numbers beyond 1e15; correct it", file_.path, user);
-    slot.texture_from_uv[i] = static_cast<float>(texture_from_uv[i]);
+    slot.texture_from_uv[i] = static_cast<float>(number);
   }
   uv_set = static_cast<int>(std::clamp(number(file_, *e, "texCoord", uv_set), -1.0, 2e9));
 }

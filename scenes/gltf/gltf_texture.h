@@ -28,6 +28,9 @@ struct TextureSource {
   std::string name;
 };
 
+// The values of a KHR_texture_transform.
+TextureTransform read_transform(const File& file, const tinygltf::Value& e);
+
 class TextureReader {
  public:
   TextureReader(const File& file, Content& content) : file_(file), content_(content) {}

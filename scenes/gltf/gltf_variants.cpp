@@ -52,7 +52,8 @@ void apply(const File& file, size_t wanted, size_t count, const std::string& use
   if (e == nullptr) return;
   for (const tinygltf::Value& mapping : list_of(file, *e, "mappings", user)) {
     if (!is_for(file, mapping, wanted, count, user)) continue;
-    const int material = mapping.Has("material") && mapping.Get("material").IsInt() ? mapping.Get("material").Get<int>() : -1;
+    const bool has_material = mapping.Has("material") && mapping.Get("material").IsInt();
+    const int material = has_material ? mapping.Get("material").Get<int>() : -1;
     primitive.material = static_cast<int>(checked_index(file, material, file.model.materials.size(), "material", user));
     return;
   }

@@ -12,8 +12,8 @@
 #include "scenes/base/limits.h"
 #include "scenes/content/animation.h"
 #include "scenes/content/content.h"
-#include "scenes/gltf/glb_instances.h"
-#include "scenes/gltf/glb_limits.h"
+#include "scenes/glb/glb_instances.h"
+#include "scenes/glb/glb_limits.h"
 #include "scenes/images/images.h"
 
 namespace sideray::scenes {
