@@ -32,6 +32,7 @@ sideray_mesh_desc desc_of(const Mesh& mesh) {
   desc.uv0 = attribute(mesh.uv0);
   desc.uv1 = attribute(mesh.uv1);
   desc.colors = attribute(mesh.colors);
+  desc.topology = mesh.topology;
   return desc;
 }
 

@@ -107,6 +107,7 @@ void deform(Content& content, const Rig& rig, const std::vector<glm::dmat4>& wor
     if (rig.morphed[i].is_skinned) continue;
     Mesh& mesh = content.meshes[rig.morphed[i].mesh];
     blended[i].name.swap(mesh.name), blended[i].indices.swap(mesh.indices);
+    blended[i].topology = mesh.topology;
     std::swap(mesh, blended[i]);
   }
 }

@@ -43,6 +43,7 @@ struct Mesh {
   std::string name;
   std::vector<float> positions, normals, tangents, uv0, uv1, colors;  // 3, 3, 4, 2, 2, 4 a vertex; empty = absent
   std::vector<uint32_t> indices;
+  sideray_topology topology = SIDERAY_TRIANGLES;
 };
 
 // One drawn primitive. The surface id given to the scene is its index in Content::objects + 1.

@@ -257,6 +257,7 @@ const char* const* note_of(const std::string& extension) {
                                                         {"KHR_materials_volume", nullptr},
                                                         {"KHR_mesh_quantization", nullptr},
                                                         {"KHR_node_visibility", nullptr},
+                                                        {"KHR_texture_basisu", nullptr},
                                                         {"KHR_texture_transform", nullptr},
                                                         {"MSFT_lod", "the most detailed level is shown"}};
   const auto found = known.find(extension);
@@ -264,7 +265,7 @@ const char* const* note_of(const std::string& extension) {
 }
 
 const char* remedy_for(const std::string& extension) {
-  static const std::set<std::string> compressed{"KHR_meshopt_compression", "KHR_texture_basisu", "EXT_texture_avif"};
+  static const std::set<std::string> compressed{"KHR_meshopt_compression", "EXT_texture_avif"};
   return compressed.contains(extension) ? "use a decoded copy, for example one that gltf-transform wrote without it"
                                         : "export the scene without it";
 }

@@ -44,6 +44,7 @@ class TextureReader {
   uint32_t add(Texture texture);
 
  private:
+  std::string name_of_image(size_t index) const;
   size_t image_of(const tinygltf::Texture& texture, const std::string& user) const;
   void transform(const tinygltf::ExtensionMap& extensions, const std::string& user, sideray_texture_slot& slot,
                  int& uv_set) const;
