@@ -76,9 +76,17 @@ struct PlacedNode {
 // Fills rig.nodes; the nodes stand at rest.
 std::vector<PlacedNode> place_nodes(const File& file, Rig& rig, Content& content);
 
+// KHR_materials_volume_scatter.
+struct Scattering {
+  glm::dvec3 color;  // that an endlessly thick body of it has
+  double anisotropy;
+};
+// Throws Error, which names the `user`.
+std::optional<Scattering> read_scattering(const File& file, const tinygltf::Material& source, const std::string& user);
+
 // Appends all materials, in the file's order, and the textures they use. One that is broken and on no node gets the
-// defaults and a warning.
-void read_materials(const File& file, std::span<const PlacedNode> nodes, Content& content);
+// defaults and a warning. Returns what scatters, by the materials' indices.
+std::map<uint32_t, Scattering> read_materials(const File& file, std::span<const PlacedNode> nodes, Content& content);
 
 // Lists the variants of materials, and gives each primitive the material that it has in `wanted` of them
 // (LoadOptions::variant), so that no later step knows of them. Throws Error and UnknownVariant.
@@ -160,6 +168,10 @@ struct ScaledMaterial {
   float scale;
 };
 std::vector<ScaledMaterial> scale_thickness(const std::set<uint32_t>& thickness_varies, Content& content);
+
+// Gives materials that scatter, of their thickness, what comes near to that. `scaled`: all that have a thickness.
+void show_scattering(const std::map<uint32_t, Scattering>& scattering, std::span<const ScaledMaterial> scaled,
+                     Content& content);
 
 Content load(const std::string& path, const LoadOptions& options);
 

@@ -255,6 +255,7 @@ const char* const* note_of(const std::string& extension) {
                                                         {"KHR_materials_unlit", nullptr},
                                                         {"KHR_materials_variants", nullptr},
                                                         {"KHR_materials_volume", nullptr},
+                                                        {"KHR_materials_volume_scatter", nullptr},
                                                         {"KHR_mesh_quantization", nullptr},
                                                         {"KHR_node_visibility", nullptr},
                                                         {"KHR_texture_basisu", nullptr},

@@ -286,7 +286,7 @@ Content load(const std::string& path, const LoadOptions& options) {
     nodes[i].moves = rig->nodes[i].moves;
     nodes[i].is_hidden = rig->is_always_hidden(static_cast<uint32_t>(i));
   }
-  read_materials(file, nodes, content);
+  const std::map<uint32_t, Scattering> scattering = read_materials(file, nodes, content);
   warn_of_unused_images(file, content);
   const std::vector<uint32_t> places = read_objects(file, nodes, *rig, content);
   ReadThings read;
@@ -296,6 +296,7 @@ Content load(const std::string& path, const LoadOptions& options) {
   read_node_extras(file, nodes, content);
   order_objects(places, *rig, content);
   read.materials = scale_thickness(varying_thickness(values), content);
+  show_scattering(scattering, read.materials, content);
   animate_values(file, values, read, *rig, content);
   if (content.cameras.empty()) content.defaulted.emplace_back("camera: the file has none; the whole scene is framed");
   content.rig = rig;

@@ -182,7 +182,7 @@ class Document {
     }
     if (random_.one_in(3)) add_joints(attributes, vertices);
     if (random_.one_in(2)) add_indices(result, vertices);
-    if (random_.one_in(3)) result["mode"] = random_.pick({1, 4, 5, 6});
+    if (random_.one_in(3)) result["mode"] = random_.pick({0, 1, 2, 3, 4, 5, 6});
     if (json_.contains("materials") && random_.one_in(2))
       result["material"] = random_.below(static_cast<uint32_t>(json_["materials"].size()));
     for (uint32_t i = 0; i < targets; ++i)
