@@ -82,7 +82,8 @@ struct Scattering {
   double anisotropy;
 };
 // Throws Error, which names the `user`.
-std::optional<Scattering> read_scattering(const File& file, const tinygltf::Material& source, const std::string& user);
+std::optional<Scattering> read_scattering(const File& file, const tinygltf::Material& source, const std::string& user,
+                                          Content& content);
 
 // Appends all materials, in the file's order, and the textures they use. One that is broken and on no node gets the
 // defaults and a warning. Returns what scatters, by the materials' indices.

@@ -340,7 +340,8 @@ std::map<uint32_t, Scattering> read_materials(const File& file, std::span<const 
     }
     const tinygltf::Material& source = file.model.materials[i];
     content.materials.push_back(reader.read(source, i));
-    if (const auto found = read_scattering(file, source, "material " + content.materials.back().name))
+    const std::string user = "material " + content.materials.back().name;
+    if (const auto found = read_scattering(file, source, user, content))
       scattering.emplace(static_cast<uint32_t>(i), *found);
   }
   reader.warn_of_conversions();

@@ -85,9 +85,12 @@ void show(const Shares& shares, sideray_material_desc& d) {
 
 }  // namespace
 
-std::optional<Scattering> read_scattering(const File& file, const tinygltf::Material& source, const std::string& user) {
+std::optional<Scattering> read_scattering(const File& file, const tinygltf::Material& source, const std::string& user,
+                                          Content& content) {
   const tinygltf::Value* e = extension(source.extensions, scatter_extension);
   if (e == nullptr) return std::nullopt;
+  if (e->Has("multiscatterColorTexture"))
+    content.warnings.push_back(fmt::format("{}: its multiscatterColorTexture is not read; the factor counts", user));
   // Drafts and files of then call it multiscatterColor.
   const char* key = e->Has("multiscatterColorFactor") ? "multiscatterColorFactor" : "multiscatterColor";
   const std::vector<double> color = numbers(file, *e, key, {0, 0, 0});

@@ -79,6 +79,12 @@ TEST(Scattering, WithoutAVolumeNothingScatters) {
   EXPECT_THAT(content.warnings, ElementsAre(HasSubstr("nothing scatters")));
 }
 
+TEST(Scattering, ItsTextureIsNamed) {
+  const json scatter = {{"multiscatterColorFactor", {1, 1, 1}}, {"multiscatterColorTexture", {{"index", 0}}}};
+  EXPECT_THAT(body(0.2, "straight", scatter).load().warnings,
+              ElementsAre(HasSubstr("multiscatterColorTexture is not read"), HasSubstr("is shown as diffuse light")));
+}
+
 TEST(Scattering, BrokenValuesAreRefusedByName) {
   EXPECT_THAT(body(1, "straight", {{"multiscatterColorFactor", {2, 0, 0}}}).load_error(),
               HasSubstr("multiscatterColorFactor of material material0 is outside 0 to 1"));
