@@ -369,8 +369,8 @@ Material Scene::placed_material(const SceneMaterial& material, const Places& pla
   return made;
 }
 
-// Adds an instance of lines or points, whose material is made opaque, and unlit where the mesh has no normals. `materials`:
-// those that were made so before, by name and whether they are unlit.
+// Adds an instance of lines or points, whose material is made opaque, and unlit where the mesh has no normals.
+// `materials`: those that were made so before, by name and whether they are unlit.
 void Scene::commit_thin(const sideray_instance_desc& d, const Places& places, Snapshot& snapshot,
                         std::map<std::pair<uint32_t, bool>, uint32_t>& materials) const {
   const SceneMesh& mesh = *meshes_.find(d.mesh);

@@ -94,7 +94,8 @@ Renderer make_renderer(const RenderOptions& options) {
 
 Content load(const RenderOptions& options) {
   try {
-    return scenes::load(options.scene, {.animation = options.animation, .variant = options.variant, .time_s = options.time_s,
+    return scenes::load(options.scene, {.animation = options.animation, .variant = options.variant,
+                                         .time_s = options.time_s,
                                          .default_light = options.default_light});
   } catch (const scenes::UnknownScene& error) {
     throw UsageError(error.what());

@@ -354,8 +354,8 @@ void RasterScene::set_instances() {
   thin_.clear();
   for (const model::Instance& instance : s.thin) {
     if (!mesh_at_[instance.mesh]) continue;
-    thin_.push_back({instance.mesh, instance.material, static_cast<uint32_t>(records.size()), 1, instance.mirrored, false,
-                     instance.surface_id, instance.visibility, instance.bounds, 0, 0});
+    thin_.push_back({instance.mesh, instance.material, static_cast<uint32_t>(records.size()), 1, instance.mirrored,
+                     false, instance.surface_id, instance.visibility, instance.bounds, 0, 0});
     add(instance);
   }
   fill_buffer(gl_, GL_ARRAY_BUFFER, instances_, records.data(), records.size() * sizeof(InstanceRecord));

@@ -1,6 +1,6 @@
 // Finds the opaque surface that each pixel of a view shows, by a ray through the pixel's sample position: what a rasterizer's
-// depth buffer and G-buffer hold. Lines and points are drawn over them, where they are nearer. Rays hit the scene in the poses that it has (TracedScene). Pixels: row 0 is the bottom row.
-// One call at a time.
+// depth buffer and G-buffer hold. Lines and points are drawn over them, where they are nearer. Rays hit the scene in the
+// poses that it has (TracedScene). Pixels: row 0 is the bottom row. One call at a time.
 #pragma once
 
 #include <cstdint>
@@ -43,8 +43,8 @@ struct OpaquePixels {
   }
 };
 
-// Returns a window depth as OpaquePixels::depths has it: never that of the background, however far away the surface is (an
-// infinitely far plane has none).
+// Returns a window depth as OpaquePixels::depths has it: never that of the background, however far away the surface is
+// (an infinitely far plane has none).
 float stored_depth(const TraceView& view, double window_depth);
 
 // Refills `pixels`. Throws Failure.

@@ -115,8 +115,8 @@ class ThinPass {
     rasterize(a, b, part, way.x >= way.y ? 0 : 1);
   }
 
-  // One pixel of each column (of each row where the line is steeper) whose diamond the line leaves. A line that leans by less
-  // than half a right angle is nearest to a pixel's centre, as diamonds measure it, right above or below.
+  // One pixel of each column (of each row where the line is steeper) whose diamond the line leaves. A line that leans
+  // by less than half a right angle is nearest to a pixel's centre, as diamonds measure it, right above or below.
   void rasterize(const WindowVertex& a, const WindowVertex& b, const Part& part, int major) {
     const int minor = 1 - major;
     const double from = a.place[major], to = b.place[major];

@@ -1,5 +1,5 @@
-// Draws lines and points over what rays have found, as OpenGL rasterizes them: a pixel wide, by the diamond-exit rule. One
-// call at a time.
+// Draws lines and points over what rays have found, as OpenGL rasterizes them: a pixel wide, by the diamond-exit rule.
+// One call at a time.
 #pragma once
 
 #include "rt/drawing/opaque_pixels.h"

@@ -100,8 +100,8 @@ struct AnimatedValue {
   Channel channel;
 };
 
-// Lists all animations and plays `wanted` of them (LoadOptions::animation): those of nodes by channels of the rig. Returns
-// the others. Throws UnknownAnimation.
+// Lists all animations and plays `wanted` of them (LoadOptions::animation): those of nodes by channels of the rig.
+// Returns the others. Throws UnknownAnimation.
 std::vector<AnimatedValue> read_animations(const File& file, const std::vector<PlacedNode>& nodes,
                                            const std::string& wanted, Rig& rig, Content& content);
 

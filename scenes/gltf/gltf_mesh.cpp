@@ -182,7 +182,8 @@ Mesh read_primitive(const File& file, const tinygltf::Primitive& primitive, cons
     corners.resize(vertices);
     for (size_t i = 0; i < vertices; ++i) corners[i] = static_cast<uint32_t>(i);
   }
-  file.budget.take(most_indices(corners.size(), mode) * sizeof(uint32_t), fmt::format("mesh {}, {}", name, primitives_of(mesh.topology).name));
+  file.budget.take(most_indices(corners.size(), mode) * sizeof(uint32_t),
+                   fmt::format("mesh {}, {}", name, primitives_of(mesh.topology).name));
   mesh.indices = primitive_list(corners, mode);
   read_attributes(file, primitive, vertices, mesh, content);
   drop_broken_primitives(mesh, content);

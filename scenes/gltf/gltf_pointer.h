@@ -17,8 +17,8 @@ struct PointerTarget {
   std::string property;
 };
 
-// `kind` is nothing where the pointer leads to what no animation of ours changes. Throws Error where it names an element
-// that is not there, or is no pointer.
+// `kind` is nothing where the pointer leads to what no animation of ours changes. Throws Error where it names an
+// element that is not there, or is no pointer.
 PointerTarget pointer_target(const File& file, const std::string& pointer, const std::string& user);
 
 // How many numbers a value of a material, light or camera has; 0 where the property is none that we have.
@@ -27,7 +27,8 @@ uint32_t numbers_of(const PointerTarget& target);
 // The materials whose thickness some of `values` change.
 std::set<uint32_t> varying_thickness(std::span<const AnimatedValue> values);
 
-// Gives the rig what `values` change. `materials`, `lights` and `cameras` say which of the content are those of the file.
+// Gives the rig what `values` change. `materials`, `lights` and `cameras` say which of the content are those of the
+// file.
 struct ReadThings {
   std::vector<ScaledMaterial> materials;
   std::vector<ReadThing> lights, cameras;

@@ -4,15 +4,15 @@
 #include "elementary/functions.h"
 #include "scenes/gltf/gltf.h"
 
-// KHR_materials_volume_scatter. What scatters inside of a body is shown as light that its surface reflects and lets through
-// diffusely, as much as a slab of the material's thickness does.
+// KHR_materials_volume_scatter. What scatters inside of a body is shown as light that its surface reflects and lets
+// through diffusely, as much as a slab of the material's thickness does.
 namespace sideray::scenes::gltf {
 namespace {
 
 constexpr const char* scatter_extension = "KHR_materials_volume_scatter";
 
-// The share of diffuse light that a slab sends back and lets through (Kubelka and Munk 1931). `albedo`: what an endless one
-// sends back; `depth`: scattering coefficient times thickness.
+// The share of diffuse light that a slab sends back and lets through (Kubelka and Munk 1931). `albedo`: what an endless
+// one sends back; `depth`: scattering coefficient times thickness.
 struct Slab {
   double back, through;
 };

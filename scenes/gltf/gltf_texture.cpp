@@ -79,8 +79,8 @@ size_t TextureReader::image_of(const tinygltf::Texture& texture, const std::stri
   if (const auto* e = extension(texture.extensions, "KHR_texture_basisu"); e != nullptr && image < 0) {
     const int compressed = static_cast<int>(std::clamp(number(file_, *e, "source", -1.0), -1.0, 2e9));
     const size_t index = checked_index(file_, compressed, file_.model.images.size(), "image", user);
-    refuse("cannot read {}: it is KTX2, which no decoder is built in for, and {} uses it; {}", name_of_image(index), user,
-           ktx_remedy(file_.path));
+    refuse("cannot read {}: it is KTX2, which no decoder is built in for, and {} uses it; {}", name_of_image(index),
+           user, ktx_remedy(file_.path));
   }
   if (image < 0) {
     refuse("cannot read {}: {} uses a texture without a PNG, JPEG or WebP image; use a decoded copy", file_.path, user);

@@ -1,5 +1,5 @@
-// Lines and points of files in pictures: where they are, that surfaces hide them, and that both ways of drawing show the
-// same.
+// Lines and points of files in pictures: where they are, that surfaces hide them, and that both ways of drawing show
+// the same.
 #include <cmath>
 #include <functional>
 
