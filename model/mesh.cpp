@@ -75,32 +75,51 @@ void check_attributes(const sideray_mesh_desc& d) {
          d.color_bytes_stride);
 }
 
+// Returns the vertices of a triangle, line or point.
+uint32_t corners_of(sideray_topology topology) {
+  return topology == SIDERAY_POINTS ? 1 : topology == SIDERAY_LINES ? 2 : 3;
+}
+
+void check_topology(const sideray_mesh_desc& d) {
+  int topology;  // of a C host, be it none of the enumeration's values
+  std::memcpy(&topology, &d.topology, sizeof(topology));
+  if (topology < SIDERAY_TRIANGLES || topology > SIDERAY_POINTS)
+    fail(SIDERAY_INVALID_ARGUMENT, "mesh topology {}: give a sideray_topology", topology);
+}
+
 void check(const sideray_mesh_desc& d) {
+  check_topology(d);
   if (d.vertex_count == 0 || d.vertex_count > 0x7fffffffu)
     fail(SIDERAY_INVALID_ARGUMENT, "mesh vertex_count {}: out of range; give 1 to 2^31-1", d.vertex_count);
   check_attributes(d);
-  if (d.index_count % 3 != 0 || (d.index_count == 0 && d.vertex_count % 3 != 0))
-    fail(SIDERAY_INVALID_ARGUMENT, "mesh: {} indices over {} vertices are not whole triangles", d.index_count,
-         d.vertex_count);
+  const uint32_t corners = corners_of(d.topology);
+  if (d.index_count % corners != 0 || (d.index_count == 0 && d.vertex_count % corners != 0))
+    fail(SIDERAY_INVALID_ARGUMENT, "mesh: {} indices over {} vertices are not whole {}", d.index_count, d.vertex_count,
+         corners == 3 ? "triangles" : "lines");
   if (d.indices && d.short_indices)
     fail(SIDERAY_INVALID_ARGUMENT, "mesh indices: given with 32 bits and with 16; leave one of them out");
   if (d.index_count != 0 && !d.indices && !d.short_indices)
     fail(SIDERAY_INVALID_ARGUMENT, "mesh indices: NULL, although index_count is {}", d.index_count);
 }
 
-glm::uvec3 corner_indices(const sideray_mesh_desc& d, uint32_t triangle) {
-  const uint32_t first = 3 * triangle;
-  if (d.short_indices) return {d.short_indices[first], d.short_indices[first + 1], d.short_indices[first + 2]};
-  if (!d.indices) return {first, first + 1, first + 2};
-  return {d.indices[first], d.indices[first + 1], d.indices[first + 2]};
+// Returns the vertices of a primitive, of which lines and points repeat the last one.
+glm::uvec3 corner_indices(const sideray_mesh_desc& d, uint32_t primitive) {
+  const uint32_t corners = corners_of(d.topology);
+  glm::uvec3 indices;
+  for (uint32_t k = 0; k < 3; ++k) {
+    const uint32_t i = corners * primitive + std::min(k, corners - 1);
+    indices[static_cast<int>(k)] = d.short_indices ? d.short_indices[i] : d.indices ? d.indices[i] : i;
+  }
+  return indices;
 }
 
-// Returns whether a triangle's corners are usable: finite, in range, with area.
-bool usable(const std::vector<glm::vec3>& positions, glm::uvec3 t) {
+// Returns whether a primitive's corners are usable: finite, in range, and triangles with area.
+bool usable(const std::vector<glm::vec3>& positions, glm::uvec3 t, sideray_topology topology) {
   for (int i = 0; i < 3; ++i) {
     const glm::vec3 p = positions[t[i]];
     if (!finite<3>(p) || glm::any(glm::greaterThan(glm::abs(p), glm::vec3(largest_coordinate)))) return false;
   }
+  if (topology != SIDERAY_TRIANGLES) return true;
   const glm::dvec3 a(positions[t[0]]), b(positions[t[1]]), c(positions[t[2]]);
   const glm::dvec3 n = glm::cross(b - a, c - a);
   return glm::dot(n, n) > 0.0;
@@ -113,7 +132,7 @@ std::vector<glm::vec3> raw_positions(const sideray_mesh_desc& d) {
 }
 
 void select_triangles(const sideray_mesh_desc& d, Mesh& mesh) {
-  const uint32_t count = (d.index_count ? d.index_count : d.vertex_count) / 3;
+  const uint32_t count = (d.index_count ? d.index_count : d.vertex_count) / corners_of(d.topology);
   mesh.triangles.reserve(count);
   std::vector<uint32_t> source;
   source.reserve(count);
@@ -122,7 +141,7 @@ void select_triangles(const sideray_mesh_desc& d, Mesh& mesh) {
     if (glm::any(glm::greaterThanEqual(t, glm::uvec3(d.vertex_count))))
       fail(SIDERAY_INVALID_ARGUMENT, "mesh triangle {}: index {} is not below vertex_count {}; correct the indices", i,
            std::max({t.x, t.y, t.z}), d.vertex_count);
-    if (!usable(mesh.positions, t)) continue;
+    if (!usable(mesh.positions, t, d.topology)) continue;
     mesh.triangles.push_back(t);
     source.push_back(i);
   }
@@ -196,7 +215,7 @@ void fill_attributes(const sideray_mesh_desc& d, Mesh& mesh) {
     for (const glm::vec4& c : mesh.colors) mesh.minimum_alpha = std::min(mesh.minimum_alpha, c.w);
   if (d.normals.data)
     normalize_normals(mesh);
-  else
+  else if (mesh.topology == SIDERAY_TRIANGLES)
     split_into_flat_triangles(mesh);
   if (!d.tangents.data && d.uv0.data) derive_tangents(mesh);
   mesh.has_tangents = d.tangents.data || d.uv0.data;
@@ -209,6 +228,7 @@ void fill_attributes(const sideray_mesh_desc& d, Mesh& mesh) {
 std::shared_ptr<const Mesh> build_mesh(const sideray_mesh_desc& d, uint32_t* dropped, MeshForm& form) {
   check(d);
   auto mesh = std::make_shared<Mesh>();
+  mesh->topology = d.topology;
   mesh->positions = raw_positions(d);
   select_triangles(d, *mesh);
   for (glm::vec3& p : mesh->positions)
@@ -216,7 +236,7 @@ std::shared_ptr<const Mesh> build_mesh(const sideray_mesh_desc& d, uint32_t* dro
   form = {d.vertex_count, d.normals.data != nullptr, {}};
   if (!form.has_normals) form.corners = mesh->triangles;
   fill_attributes(d, *mesh);
-  const uint32_t given = (d.index_count ? d.index_count : d.vertex_count) / 3;
+  const uint32_t given = (d.index_count ? d.index_count : d.vertex_count) / corners_of(d.topology);
   if (dropped) *dropped = given - static_cast<uint32_t>(mesh->triangles.size());
   return mesh;
 }
@@ -230,6 +250,7 @@ std::shared_ptr<const Mesh> build_moved_mesh(const Mesh& mesh, const MeshForm& f
     fail(SIDERAY_INVALID_ARGUMENT, "mesh normals: the mesh was added {} them; give it vertices of the same kind",
          form.has_normals ? "with" : "without");
   auto moved = std::make_shared<Mesh>();
+  moved->topology = mesh.topology;
   moved->positions.reserve(size_t{d.vertex_count} + 1);  // Embree reads 16 bytes at the last vertex
   moved->positions.resize(d.vertex_count);
   for (uint32_t i = 0; i < d.vertex_count; ++i) {
@@ -246,7 +267,7 @@ std::shared_ptr<const Mesh> build_moved_mesh(const Mesh& mesh, const MeshForm& f
 }
 
 bool same_triangles(const Mesh& a, const Mesh& b) {
-  return a.positions.size() == b.positions.size() && a.triangles == b.triangles;
+  return a.topology == b.topology && a.positions.size() == b.positions.size() && a.triangles == b.triangles;
 }
 
 const Mesh* shaped_before(const Snapshot& now, uint32_t index, const Snapshot& before) {

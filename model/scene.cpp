@@ -369,14 +369,45 @@ Material Scene::placed_material(const SceneMaterial& material, const Places& pla
   return made;
 }
 
+// Adds an instance of lines or points, whose material is made opaque, and unlit where the mesh has no normals.
+// `materials`: those that were made so before, by name and whether they are unlit.
+void Scene::commit_thin(const sideray_instance_desc& d, const Places& places, Snapshot& snapshot,
+                        std::map<std::pair<uint32_t, bool>, uint32_t>& materials) const {
+  const SceneMesh& mesh = *meshes_.find(d.mesh);
+  Instance& instance = snapshot.thin.emplace_back(local_instance(d, snapshot.origin, *mesh.mesh, nullptr));
+  instance.wind = 0;
+  instance.mesh = places.meshes[d.mesh];
+  const auto [made, is_new] = materials.try_emplace({d.material, mesh.form.has_normals}, 0);
+  if (is_new) {
+    made->second = static_cast<uint32_t>(snapshot.materials.size());
+    SceneMaterial material = *materials_.find(d.material);
+    if (material.desc.alpha_mode == SIDERAY_BLEND) material.desc.alpha_mode = SIDERAY_OPAQUE;
+    material.desc.transmission = material.desc.diffuse_transmission = 0.0f;
+    if (!mesh.form.has_normals) material.desc.unlit = 1;
+    Material placed = placed_material(material, places);
+    placed.cull_back = false;
+    snapshot.materials.push_back(placed);
+  }
+  instance.material = made->second;
+  if (instance.bounds.empty()) return;
+  snapshot.bounds.add(instance.bounds.minimum);
+  snapshot.bounds.add(instance.bounds.maximum);
+}
+
 void Scene::commit_instances(const Places& places, Snapshot& snapshot) {
   OriginChoice choice;
   instances_.for_each([&](uint32_t, const sideray_instance_desc& d) { choice.add(d.world_from_object); });
   snapshot.origin = choice.origin();
   snapshot.instances.reserve(instances_.size());
-  snapshot.instance_names = instances_.names();
+  const Names names = instances_.names();
+  std::map<std::pair<uint32_t, bool>, uint32_t> thin_materials;
+  Names surface_names;
+  size_t place = 0;
   instances_.for_each([&](uint32_t, const sideray_instance_desc& d) {
+    const Name name = names[place++];
     SceneMesh& mesh = *meshes_.find(d.mesh);
+    if (mesh.mesh->topology != SIDERAY_TRIANGLES) return commit_thin(d, places, snapshot, thin_materials);
+    surface_names.all.push_back(name);
     const Wind* wind = d.wind ? &winds_[d.wind - 1] : nullptr;
     Instance& instance = snapshot.instances.emplace_back(local_instance(d, snapshot.origin, *mesh.mesh, wind));
     instance.mesh = places.meshes[d.mesh];
@@ -392,6 +423,7 @@ void Scene::commit_instances(const Places& places, Snapshot& snapshot) {
     snapshot.bounds.add(instance.bounds.minimum);
     snapshot.bounds.add(instance.bounds.maximum);
   });
+  snapshot.instance_names = snapshot.thin.empty() ? names : std::move(surface_names);
 }
 
 void Scene::commit_particles(const Places& places, Snapshot& snapshot) const {
@@ -421,7 +453,8 @@ void Scene::commit() {
   std::vector<Numbered> surfaces;
   instances_.for_each([&](uint32_t name, const sideray_instance_desc& d) {
     const bool layers = d.surface_id != 0 && (d.visibility & SIDERAY_VISIBLE_LAYERS) != 0;
-    if (layers && is_translucent(materials_.find(d.material)->desc)) surfaces.push_back({d.surface_id, name});
+    const bool thin = meshes_.find(d.mesh)->mesh->topology != SIDERAY_TRIANGLES;
+    if (layers && !thin && is_translucent(materials_.find(d.material)->desc)) surfaces.push_back({d.surface_id, name});
   });
   check_unique(std::move(surfaces));
   auto snapshot = std::make_shared<Snapshot>();

@@ -2,9 +2,11 @@
 // edit.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "model/mesh.h"
@@ -102,6 +104,8 @@ class Scene {
   Material placed_material(const SceneMaterial& material, const Places& places) const;
   void commit_shading(Snapshot& snapshot);
   void commit_instances(const Places& places, Snapshot& snapshot);
+  void commit_thin(const sideray_instance_desc& desc, const Places& places, Snapshot& snapshot,
+                   std::map<std::pair<uint32_t, bool>, uint32_t>& materials) const;
   void commit_particles(const Places& places, Snapshot& snapshot) const;
 
   Slots<SceneMesh> meshes_;

@@ -24,19 +24,20 @@ struct Bounds {
   float radius() const { return empty() ? 0.0f : 0.5f * glm::length(maximum - minimum); }
 };
 
-// Holds the triangles of one primitive in object space. Every vector but `indices` has one entry per vertex; none is
+// Holds the triangles, lines or points of one primitive in object space. Every vector but `indices` has one entry per vertex; none is
 // empty, so that readers need no branches: absent attributes are filled with their defaults when the mesh is added.
 struct Mesh {
   std::vector<glm::vec3> positions, normals;
   std::vector<glm::vec4> tangents;  // w = +-1 bitangent sign; 0 where no tangent frame exists
   std::vector<glm::vec2> uv0, uv1;
   std::vector<glm::vec4> colors;
-  std::vector<glm::uvec3> triangles;
+  std::vector<glm::uvec3> triangles;  // lines and points repeat their last vertex
   std::vector<uint32_t>
       source_primitive;  // triangle number as given by the caller, where some were dropped; otherwise empty
   Bounds bounds;
   bool has_colors = false, has_tangents = false;
   float minimum_alpha = 1.0f;  // the least of the vertex colours
+  sideray_topology topology = SIDERAY_TRIANGLES;
 };
 
 // Holds an RGBA8 image, top row first, with all mip levels (level k is max(1, size >> k)), box-filtered in linear
@@ -189,6 +190,7 @@ struct Snapshot {
   std::vector<std::shared_ptr<const Texture>> textures;
   std::vector<Material> materials;
   std::vector<Instance> instances;
+  std::vector<Instance> thin;  // of meshes of lines and points, which no ray hits; opaque
   std::vector<Wind> winds;
   double time_s = 0, previous_time_s = 0;  // of the wind
   std::vector<Light> lights;

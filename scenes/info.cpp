@@ -91,14 +91,20 @@ Json list(const T* values, size_t count) {
 }
 
 struct Counts {
-  size_t triangles = 0, drawn_triangles = 0, translucent_objects = 0, texture_bytes = 0;
+  size_t triangles = 0, lines = 0, points = 0, drawn_triangles = 0, translucent_objects = 0, texture_bytes = 0;
 };
 
 Counts count(const Content& content) {
   Counts counts;
-  for (const Mesh& mesh : content.meshes) counts.triangles += mesh.indices.size() / 3;
+  for (const Mesh& mesh : content.meshes) {
+    if (mesh.topology == SIDERAY_LINES) counts.lines += mesh.indices.size() / 2;
+    if (mesh.topology == SIDERAY_POINTS) counts.points += mesh.indices.size();
+    if (mesh.topology == SIDERAY_TRIANGLES) counts.triangles += mesh.indices.size() / 3;
+  }
   for (const Object& object : content.objects) {
-    counts.drawn_triangles += content.meshes[object.mesh].indices.size() / 3;
+    const Mesh& mesh = content.meshes[object.mesh];
+    if (mesh.topology != SIDERAY_TRIANGLES) continue;
+    counts.drawn_triangles += mesh.indices.size() / 3;
     if (is_translucent(content.materials[object.material])) ++counts.translucent_objects;
   }
   for (const Texture& texture : content.textures) counts.texture_bytes += texture.rgba.size();
@@ -109,6 +115,8 @@ Json counts_json(const Content& content) {
   const Counts counts = count(content);
   return {{"meshes", content.meshes.size()},
           {"triangles", counts.triangles},
+          {"lines", counts.lines},
+          {"points", counts.points},
           {"objects", content.objects.size()},
           {"drawn_triangles", counts.drawn_triangles},
           {"translucent_objects", counts.translucent_objects},
@@ -272,7 +280,8 @@ std::vector<NamedObjects> translucent_objects(const Content& content) {
   std::map<std::pair<std::string, bool>, size_t> group_of;
   for (size_t i = 0; i < content.objects.size(); ++i) {
     const Object& object = content.objects[i];
-    if (!is_translucent(content.materials[object.material])) continue;
+    const bool is_surface = content.meshes[object.mesh].topology == SIDERAY_TRIANGLES;
+    if (!is_surface || !is_translucent(content.materials[object.material])) continue;
     const auto [found, added] = group_of.try_emplace({object.name, traced[i]}, groups.size());
     if (added) groups.push_back({object.name, traced[i], 0});
     ++groups[found->second].count;
@@ -338,6 +347,7 @@ std::string info_json(const Content& content) {
   for (const Animation& animation : content.animations) {
     json["animations"].push_back({{"name", animation.name}, {"length_s", animation.length_s}});
   }
+  json["variants"] = content.variants;
   for (size_t i = 0; i < content.materials.size(); ++i) json["materials"].push_back(material_json(content, i));
   for (const Emitter& emitter : content.emitters) json["particles"].push_back(emitter_json(content, emitter));
   json["extensions"] = content.extensions;
@@ -353,6 +363,7 @@ std::string info_text(const Content& content) {
       "{}\n  {} objects ({} translucent), {} triangles in {} meshes, {} as drawn, {} materials, {} textures\n",
       content.name, content.objects.size(), counts.translucent_objects, counts.triangles, content.meshes.size(),
       counts.drawn_triangles, content.materials.size(), content.textures.size());
+  if (counts.lines + counts.points > 0) text += fmt::format("  {} lines, {} points\n", counts.lines, counts.points);
   if (const Bounds b = bounds_of(content); !b.empty()) {
     text += fmt::format("  from {:.4g} {:.4g} {:.4g} to {:.4g} {:.4g} {:.4g}\n", b.minimum.x, b.minimum.y, b.minimum.z,
                         b.maximum.x, b.maximum.y, b.maximum.z);
@@ -373,7 +384,8 @@ std::string info_text(const Content& content) {
         fmt::format("{}: {}, {:.4g} {:.4g} {:.4g}", light.name, type_name(light.light.type), i[0], i[1], i[2]));
   }
   text += section("cameras", cameras) + section("lights", lights) +
-          section("translucent objects", object_lines(content)) + section("materials", material_lines(content));
+          section("translucent objects", object_lines(content)) + section("materials", material_lines(content)) +
+          section("variants of materials", content.variants);
   text +=
       section("particles", emitters) + section("animations", animations) + section("extensions", content.extensions);
   return text + section("defaulted", content.defaulted) + section("warnings", content.warnings);

@@ -32,7 +32,21 @@ sideray_mesh_desc desc_of(const Mesh& mesh) {
   desc.uv0 = attribute(mesh.uv0);
   desc.uv1 = attribute(mesh.uv1);
   desc.colors = attribute(mesh.colors);
+  desc.topology = mesh.topology;
   return desc;
+}
+
+sideray_material_desc desc_of(const Material& material) {
+  sideray_material_desc desc = material.desc;
+  desc.inexact_shadow = material.inexact_shadow;
+  return desc;
+}
+
+// Textures are numbered as fill() has added them to an empty scene.
+void change_materials(Scene& scene, const Content& content) {
+  for (const AnimatedMaterial& animated : content.rig->materials)
+    for (const AnimatedMaterial::Shown& shown : animated.shown)
+      scene.replace_material(shown.material + 1, desc_of(content.materials[shown.material]));
 }
 
 void bend_meshes(Scene& scene, const Content& content) {
@@ -116,6 +130,16 @@ void check_animation(const Content& content, const std::string& name) {
       fmt::format("no animation {}: the scene has others; choose all or one of {}", name, fmt::join(names, ", ")));
 }
 
+void check_variant(const Content& content, const std::string& name) {
+  const std::vector<std::string>& names = content.variants;
+  if (name.empty() || std::find(names.begin(), names.end(), name) != names.end()) return;
+  if (names.empty())
+    throw UnknownVariant(SIDERAY_INVALID_ARGUMENT, fmt::format("no variant {}: the scene has none; name none", name));
+  throw UnknownVariant(SIDERAY_INVALID_ARGUMENT,
+                       printable(fmt::format("no variant {}: the scene has others; choose one of {}", name,
+                                             fmt::join(names, ", "))));
+}
+
 void fill(Scene& scene, const Content& content, const std::vector<bool>& traced) {
   std::vector<sideray_texture> textures;
   for (const Texture& texture : content.textures) {
@@ -124,8 +148,7 @@ void fill(Scene& scene, const Content& content, const std::vector<bool>& traced)
   }
   std::vector<sideray_material> materials;
   for (const Material& material : content.materials) {
-    sideray_material_desc desc = material.desc;
-    desc.inexact_shadow = material.inexact_shadow;
+    sideray_material_desc desc = desc_of(material);
     for (const MaterialSlot& s : material_slots) {
       uint32_t& texture = (desc.*s.slot).texture;
       if (texture != 0) texture = textures.at(texture - 1);
@@ -167,11 +190,13 @@ bool moves(const Content& content) {
 
 void move(Scene& scene, const Content& content) {
   const Rig* rig = content.rig.get();
-  const bool rig_moves = rig && !(rig->objects.empty() && rig->lights.empty() && rig->skinned.empty() && rig->morphed.empty());
+  const bool rig_moves = rig && !(rig->objects.empty() && rig->lights.empty() && rig->light_values.empty() &&
+                                  rig->materials.empty() && rig->skinned.empty() && rig->morphed.empty());
   if (!rig_moves && content.emitters.empty() && content.winds.empty()) return;
   if (rig_moves) {
     for (const Attached& a : rig->objects)
       scene.move_instance(static_cast<sideray_instance>(a.index + 1), content.objects[a.index].world_from_object);
+    change_materials(scene, content);
     bend_meshes(scene, content);
     set_lights(scene, content);
   }

@@ -44,7 +44,9 @@ sideray_status sideray_content_load(const char* path, const sideray_load_options
     require(content, "content result");
     const sideray_load_options o = read_struct(options, "load options", sideray_load_init);
     *content = new sideray_content{
-        sideray::scenes::load_file(path, {.animation = o.animation ? o.animation : "", .time_s = o.time_s,
+        sideray::scenes::load_file(path, {.animation = o.animation ? o.animation : "",
+                                                          .variant = o.variant ? o.variant : "",
+                                                          .time_s = o.time_s,
                                                           .default_light = o.default_light != 0,
                                                           .limits = {o.max_seconds, o.max_bytes}})};
   });
@@ -60,6 +62,14 @@ size_t sideray_content_warning_count(const sideray_content* content) {
 
 const char* sideray_content_warning(const sideray_content* content, size_t index) {
   return index < content->content.warnings.size() ? content->content.warnings[index].c_str() : nullptr;
+}
+
+size_t sideray_content_variant_count(const sideray_content* content) {
+  return content->content.variants.size();
+}
+
+const char* sideray_content_variant_name(const sideray_content* content, size_t index) {
+  return index < content->content.variants.size() ? content->content.variants[index].c_str() : nullptr;
 }
 
 size_t sideray_content_camera_count(const sideray_content* content) {

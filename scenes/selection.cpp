@@ -130,8 +130,9 @@ std::vector<bool> select_ray_traced(const Content& content, const std::string& s
     material_traced.push_back(can_be_traced(material) && traced_by_itself(content, material));
   std::vector<bool> candidates, by_itself;
   for (const Object& object : content.objects) {
-    candidates.push_back(can_be_traced(content.materials.at(object.material)));
-    by_itself.push_back(material_traced[object.material]);
+    const bool is_surface = content.meshes.at(object.mesh).topology == SIDERAY_TRIANGLES;
+    candidates.push_back(is_surface && can_be_traced(content.materials.at(object.material)));
+    by_itself.push_back(is_surface && material_traced[object.material]);
   }
   if (selection == "auto") return by_itself;
   if (selection == "all") return candidates;

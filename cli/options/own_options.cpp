@@ -78,6 +78,8 @@ void add_moments(std::vector<OwnOption>& list) {
       after, under(title, number_row(text_row("time", "T", "0", "moment of a single picture in seconds"), 0, 1e9))));
   list.push_back(
       of_view(after, under(title, text_row("animation", "NAME|all", "", "which animation plays [the first]"))));
+  list.push_back(of_view(
+      after, under(title, rare(text_row("variant", "NAME", "", "which variant of the materials is shown [none]")))));
 }
 
 void add_devices(std::vector<OwnOption>& list) {

@@ -223,6 +223,7 @@ RenderOptions resolve_render(const std::string& scene, const Given& given) {
   result.scene = scene;
   set_named(given, result.named);
   result.animation = text(given, "animation");
+  result.variant = text(given, "variant");
   result.default_light = text(given, "default-light") == "on";
   result.time_s = number_of(render_table(), given, "time");
   result.frames = frame_range(given);

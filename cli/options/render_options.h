@@ -43,6 +43,7 @@ struct RenderOptions {
   Given given;  // as text, for the stats
   std::string scene, output;
   std::string animation;  // "" = the first
+  std::string variant;        // of the materials; "" = none
   bool default_light = true;  // of a file without lights
   double time_s = 0;
   std::optional<FrameRange> frames;  // a sequence: output is its pattern

@@ -94,11 +94,14 @@ Renderer make_renderer(const RenderOptions& options) {
 
 Content load(const RenderOptions& options) {
   try {
-    return scenes::load(options.scene, {.animation = options.animation, .time_s = options.time_s,
+    return scenes::load(options.scene, {.animation = options.animation, .variant = options.variant,
+                                         .time_s = options.time_s,
                                          .default_light = options.default_light});
   } catch (const scenes::UnknownScene& error) {
     throw UsageError(error.what());
   } catch (const scenes::UnknownAnimation& error) {
+    throw UsageError(error.what());
+  } catch (const scenes::UnknownVariant& error) {
     throw UsageError(error.what());
   }
 }
@@ -112,6 +115,16 @@ std::vector<double> pose_of(const Content& content) {
     for (const scenes::Attached& a : rig->lights) {
       add(content.lights[a.index].light.position);
       add(content.lights[a.index].light.direction);
+    }
+    for (const scenes::AnimatedLight& a : rig->light_values) {
+      const sideray_light& light = content.lights[a.light].light;
+      add(light.intensity);
+      add(std::array{light.range, light.inner_cone, light.outer_cone});
+    }
+    for (const scenes::AnimatedMaterial& a : rig->materials) {
+      const sideray_material_desc& desc = content.materials[a.shown.front().material].desc;
+      const auto* bytes = reinterpret_cast<const unsigned char*>(&desc);
+      add(std::vector<unsigned char>(bytes, bytes + sizeof(desc)));
     }
     for (const scenes::SkinnedMesh& skinned : rig->skinned) {
       add(content.meshes[skinned.mesh].positions);
@@ -142,8 +155,9 @@ std::string played(const RenderOptions& options, const Content& content) {
 
 void SceneChecks::check(const RenderOptions& options) {
   const std::string light = options.default_light ? "lit" : "unlit";
-  if (!passed_.insert({options.scene, options.animation, light, options.camera, options.environment}).second) return;
-  if (const std::array<std::string, 3> wanted{options.scene, options.animation, light}; loaded_ != wanted) {
+  const Loaded wanted{options.scene, options.animation, options.variant, light};
+  if (!passed_.insert({wanted, options.camera, options.environment}).second) return;
+  if (loaded_ != wanted) {
     content_ = load(options);
     loaded_ = wanted;
   }

@@ -19,15 +19,16 @@ struct ReleasePlan {
 };
 using PlanHandle = std::unique_ptr<sideray_plan, ReleasePlan>;
 
-// What would keep a Session from being made, found out before any is: files, scenes, animations, cameras.
+// What would keep a Session from being made, found out before any is: files, scenes, animations, variants, cameras.
 class SceneChecks {
  public:
   // Throws UsageError or Error as Session does; prints nothing. Content that the call before read is not read again.
   void check(const RenderOptions& options);
 
  private:
-  std::set<std::array<std::string, 5>> passed_;
-  std::array<std::string, 3> loaded_;  // scene, animation, whether files get a light
+  using Loaded = std::array<std::string, 4>;  // scene, animation, variant, whether files get a light
+  std::set<std::tuple<Loaded, std::string, std::string>> passed_;  // with camera and surroundings
+  Loaded loaded_;
   scenes::Content content_;
 };
 

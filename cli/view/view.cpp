@@ -23,8 +23,8 @@ bool keep_library(const sideray_option& row) {
 }
 
 bool keep_own(const OwnOption& own) {
-  return is_one_of(own.row.name, {"camera", "eye", "target", "fov", "time", "animation", "env", "env-scale", "env-rotate",
-                                  "default-light", "gl", "device", "threads", "exposure", "tonemap"});
+  return is_one_of(own.row.name, {"camera", "eye", "target", "fov", "time", "animation", "variant", "env", "env-scale",
+                                  "env-rotate", "default-light", "gl", "device", "threads", "exposure", "tonemap"});
 }
 
 // What `render` would refuse is refused here, before there is a window.

@@ -139,6 +139,7 @@ void RasterState::draw_gbuffer(bool marks_inexact) {
     set_culling(draw, scene.material(draw).cull_back ? GL_BACK : 0);
     draw_visible(draw);
   }
+  if (!scene.thin().empty()) draw_thin(marks_inexact);
   gl.Disable(GL_STENCIL_TEST);
   gl.StencilMask(0xff);
 }

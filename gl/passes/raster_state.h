@@ -50,6 +50,7 @@ struct RasterState {
   void set_view_uniforms(const Program& program) const;
 
   void draw_gbuffer(bool marks_inexact);
+  void draw_thin(bool marks_inexact);  // lines and points into the G-buffer, within draw_gbuffer()
   void clear_stencil();  // except for marks of the G-buffer pass; the frame is bound
   void draw_mask(MaskKind kind, TracedSet set, bool with_sprites, bool marks_others);
   // Draws the translucent surfaces that `takes` takes into the stencil.

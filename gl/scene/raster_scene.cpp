@@ -125,7 +125,7 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
 // which costs an upload and nothing else.
 bool same_surfaces(const model::Snapshot& a, const model::Snapshot& b) {
   return a.meshes == b.meshes && a.textures == b.textures && same_bytes(a.materials, b.materials) &&
-         same_bytes(a.instances, b.instances);
+         same_bytes(a.instances, b.instances) && same_bytes(a.thin, b.thin);
 }
 
 void add_bounds(model::Bounds& sum, const model::Bounds& bounds) {
@@ -148,6 +148,28 @@ std::vector<VertexAttributes> attributes_of(const model::Mesh& mesh) {
   for (size_t i = 0; i < vertices.size(); ++i)
     vertices[i] = {mesh.normals[i], mesh.tangents[i], mesh.uv0[i], mesh.uv1[i], mesh.colors[i]};
   return vertices;
+}
+
+// Says how a mesh is drawn.
+struct Primitives {
+  GLenum mode;
+  uint32_t corners;  // of each
+};
+Primitives primitives_of(const model::Mesh& mesh) {
+  if (mesh.topology == SIDERAY_LINES) return {GL_LINES, 2};
+  if (mesh.topology == SIDERAY_POINTS) return {GL_POINTS, 1};
+  return {GL_TRIANGLES, 3};
+}
+
+// Returns the indices of lines and points; none of triangles, which are stored as they are drawn.
+std::vector<uint32_t> thin_indices(const model::Mesh& mesh) {
+  std::vector<uint32_t> indices;
+  const uint32_t corners = primitives_of(mesh).corners;
+  if (corners == 3) return indices;
+  indices.reserve(corners * mesh.triangles.size());
+  for (const glm::uvec3& t : mesh.triangles)
+    for (uint32_t k = 0; k < corners; ++k) indices.push_back(t[static_cast<int>(k)]);
+  return indices;
 }
 
 const void* offset_pointer(size_t bytes) {
@@ -185,8 +207,12 @@ RasterScene::MeshBuffers RasterScene::upload(const std::shared_ptr<const model::
   enable_floats(gl_, 3, 2, stride, offsetof(VertexAttributes, uv0));
   enable_floats(gl_, 4, 2, stride, offsetof(VertexAttributes, uv1));
   enable_floats(gl_, 5, 4, stride, offsetof(VertexAttributes, color));
-  fill_buffer(gl_, GL_ELEMENT_ARRAY_BUFFER, b.indices, mesh->triangles.data(),
-              mesh->triangles.size() * sizeof(glm::uvec3));
+  const std::vector<uint32_t> thin = thin_indices(*mesh);
+  if (thin.empty())
+    fill_buffer(gl_, GL_ELEMENT_ARRAY_BUFFER, b.indices, mesh->triangles.data(),
+                mesh->triangles.size() * sizeof(glm::uvec3));
+  else
+    fill_buffer(gl_, GL_ELEMENT_ARRAY_BUFFER, b.indices, thin.data(), thin.size() * sizeof(uint32_t));
   return b;
 }
 
@@ -249,12 +275,13 @@ void RasterScene::set_shadings() {
   uint32_t scene_maps = 0, translucent_lobes = 0;
   opaque_lobes_ = 0;
   leaves_textures_out_ = false;
-  for (const model::Instance& instance : snapshot_->instances) {
-    const model::Material& material = materials[instance.material];
-    scene_maps |= maps_of(material.desc) & available;
-    leaves_textures_out_ |= (maps_of(material.desc) & ~available) != 0;
-    (material.translucent ? translucent_lobes : opaque_lobes_) |= lobes_of(material.desc);
-  }
+  for (const std::vector<model::Instance>* instances : {&snapshot_->instances, &snapshot_->thin})
+    for (const model::Instance& instance : *instances) {
+      const model::Material& material = materials[instance.material];
+      scene_maps |= maps_of(material.desc) & available;
+      leaves_textures_out_ |= (maps_of(material.desc) & ~available) != 0;
+      (material.translucent ? translucent_lobes : opaque_lobes_) |= lobes_of(material.desc);
+    }
   material_shadings_.clear();
   for (const model::Material& m : materials) {
     const uint32_t maps = map_set_for(maps_of(m.desc) & available, scene_maps);
@@ -314,14 +341,22 @@ void RasterScene::set_instances() {
     order.push_back(i);
   }
   std::vector<InstanceRecord> records;
-  records.reserve(order.size());
+  records.reserve(order.size() + s.thin.size());
   instance_bounds_.clear();
   block_bounds_.clear();
-  for (const uint32_t i : order) {
-    records.push_back(record_of(s.instances[i]));
+  const auto add = [&](const model::Instance& instance) {
+    records.push_back(record_of(instance));
     if (instance_bounds_.size() % block_size == 0) block_bounds_.emplace_back();
-    add_bounds(block_bounds_.back(), s.instances[i].bounds);
-    instance_bounds_.push_back(s.instances[i].bounds);
+    add_bounds(block_bounds_.back(), instance.bounds);
+    instance_bounds_.push_back(instance.bounds);
+  };
+  for (const uint32_t i : order) add(s.instances[i]);
+  thin_.clear();
+  for (const model::Instance& instance : s.thin) {
+    if (!mesh_at_[instance.mesh]) continue;
+    thin_.push_back({instance.mesh, instance.material, static_cast<uint32_t>(records.size()), 1, instance.mirrored,
+                     false, instance.surface_id, instance.visibility, instance.bounds, 0, 0});
+    add(instance);
   }
   fill_buffer(gl_, GL_ARRAY_BUFFER, instances_, records.data(), records.size() * sizeof(InstanceRecord));
   instance_order_ = std::move(order);
@@ -431,14 +466,15 @@ void RasterScene::draw_range(const Draw& draw, uint32_t first_instance, uint32_t
   MeshBuffers& mesh = *mesh_at_[draw.mesh];
   if (gathers_ && gathered_.holds(mesh.source.get())) return gathered_.add(mesh.source.get(), first_instance, count);
   gl_.BindVertexArray(mesh.vertex_array.id());
-  const auto indices = static_cast<GLsizei>(3 * mesh.source->triangles.size());
+  const auto [mode, corners] = primitives_of(*mesh.source);
+  const auto indices = static_cast<GLsizei>(corners * mesh.source->triangles.size());
   const auto instances = static_cast<GLsizei>(count);
   if (gl_.version >= 42) {
     point_at_instance(mesh, 0);
-    gl_.DrawElementsInstancedBaseInstance(GL_TRIANGLES, indices, GL_UNSIGNED_INT, nullptr, instances, first_instance);
+    gl_.DrawElementsInstancedBaseInstance(mode, indices, GL_UNSIGNED_INT, nullptr, instances, first_instance);
   } else {
     point_at_instance(mesh, first_instance);
-    gl_.DrawElementsInstanced(GL_TRIANGLES, indices, GL_UNSIGNED_INT, nullptr, instances);
+    gl_.DrawElementsInstanced(mode, indices, GL_UNSIGNED_INT, nullptr, instances);
   }
 }
 

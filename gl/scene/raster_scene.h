@@ -48,6 +48,8 @@ class RasterScene {
   const std::vector<Draw>& opaque() const { return opaque_; }            // OPAQUE and MASK, in drawing order
   const std::vector<Draw>& translucent() const { return translucent_; }  // one instance each, in snapshot order
 
+  const std::vector<Draw>& thin() const { return thin_; }                // lines and points, one instance each
+
   // Returns what programs read to draw a material in the pass of its kind.
   Shading shading(const Draw& draw) const {
     Shading shading = material_shadings_[draw.material];
@@ -153,7 +155,7 @@ class RasterScene {
   bool gathers_ = false;
   uint32_t material_stride_bytes_ = 0;
   uint32_t bound_material_ = no_material, bound_maps_ = 0;
-  std::vector<Draw> opaque_, translucent_;
+  std::vector<Draw> opaque_, translucent_, thin_;
   std::vector<model::Bounds> instance_bounds_;  // in the order of the instance buffer
   std::vector<uint32_t> instance_order_;        // indices into the snapshot's
   std::vector<model::Bounds> block_bounds_;     // bounds around each block_size of them

@@ -30,12 +30,22 @@ typedef struct sideray_attribute {
   size_t stride_bytes;
 } sideray_attribute;
 
+/* What indices make of vertices. Points and lines are one pixel wide, as rasterizers draw them: pictures show them before
+ * and behind surfaces, and through what is translucent. They are opaque whatever their material says, but for alpha_mode
+ * MASK, and without normals unlit. No ray hits them: they throw no shadow, and mirrors, refraction and references do
+ * not show them. */
+typedef enum sideray_topology {
+  SIDERAY_TRIANGLES = 0,
+  SIDERAY_LINES = 1, /* every two indices are a line */
+  SIDERAY_POINTS = 2 /* every index is a point */
+} sideray_topology;
+
 /* A surface that a host draws too has the same triangles in both: a drawn sphere of 28 slices and a traced one of 64 lie
  * apart by more than layers and shadow rays allow for (docs/embedding.md). */
 typedef struct sideray_mesh_desc {
   size_t size;
   uint32_t vertex_count;       /* 1..2^31-1 */
-  uint32_t index_count;        /* a multiple of 3, or 0: every three vertices are a triangle */
+  uint32_t index_count;        /* a multiple of 3 (of 2 and 1), or 0: every three vertices are a triangle */
   const uint32_t* indices;     /* each below vertex_count; counter-clockwise triangles face front */
   sideray_attribute positions; /* 3 floats, required */
   sideray_attribute normals;   /* 3 floats, unit length; absent = flat shading */
@@ -47,6 +57,7 @@ typedef struct sideray_mesh_desc {
   const uint8_t* color_bytes; /* 4 bytes a vertex, 0..255 is 0..1 */
   size_t color_bytes_stride;  /* 0 = tightly packed */
   int32_t color_bytes_bgra;   /* their order: blue, green, red, alpha, as Direct3D has them; 0 = red, green, blue, alpha */
+  sideray_topology topology;
 } sideray_mesh_desc;
 
 SIDERAY_DEFAULTS(sideray_mesh_desc, mesh)

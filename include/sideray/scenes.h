@@ -24,9 +24,10 @@ typedef struct sideray_load_options {
    * bytes) say, else 20 s and 2 * 10^9 bytes. */
   double max_seconds;
   uint64_t max_bytes;
+  const char* variant; /* of materials (KHR_materials_variants): a name; NULL = those that the file shows without one */
 } sideray_load_options;
 
-/* The first animation, at 0 s, with a light, within the default limits. */
+/* The first animation, at 0 s, no variant, with a light, within the default limits. */
 SIDERAY_DEFAULTS(sideray_load_options, load)
 
 /* `path`: a .gltf or .glb file; `sideray make` writes built-in scenes as such. `options` may be NULL. Fails with
@@ -38,6 +39,10 @@ SIDERAY_API void sideray_content_release(sideray_content* content); /* NULL is a
 /* What was read otherwise than it is written: one line each. Strings live as long as the content. */
 SIDERAY_API size_t sideray_content_warning_count(const sideray_content* content);
 SIDERAY_API const char* sideray_content_warning(const sideray_content* content, size_t index);
+
+/* The variants of materials that load options may name. NULL where there is no such variant. */
+SIDERAY_API size_t sideray_content_variant_count(const sideray_content* content);
+SIDERAY_API const char* sideray_content_variant_name(const sideray_content* content, size_t index);
 
 SIDERAY_API size_t sideray_content_camera_count(const sideray_content* content);
 /* "" where the file gives it no name; NULL where there is no such camera. Lives as long as the content. */

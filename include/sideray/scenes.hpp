@@ -18,6 +18,13 @@ class Content {
   }
   sideray_content* get() const { return handle_.get(); }
 
+  // Of materials: what sideray_load_options::variant may name.
+  std::vector<std::string> variants() const {
+    std::vector<std::string> names;
+    for (size_t i = 0; i < sideray_content_variant_count(get()); ++i)
+      names.emplace_back(sideray_content_variant_name(get(), i));
+    return names;
+  }
   size_t camera_count() const { return sideray_content_camera_count(get()); }
   // Where there is none, camera 0 frames the content in a picture of this width / height.
   sideray_camera camera(size_t index = 0, float aspect = 16.0f / 9.0f) const {

@@ -13,11 +13,12 @@ struct ContentHandle {
   std::vector<bool> traced;  // what the scene that it filled has
 };
 
-std::unique_ptr<ContentHandle> load(const std::string& scene, const std::string& animation, double time_s,
-                                    bool default_light, double max_seconds, double max_gb) {
+std::unique_ptr<ContentHandle> load(const std::string& scene, const std::string& animation, const std::string& variant,
+                                    double time_s, bool default_light, double max_seconds, double max_gb) {
   py::gil_scoped_release released;
   scenes::LoadOptions options;
   options.animation = animation;
+  options.variant = variant;
   options.time_s = time_s;
   options.default_light = default_light;
   options.limits = {.seconds = max_seconds, .bytes = static_cast<uint64_t>(max_gb * 1e9)};
@@ -105,8 +106,8 @@ void define_content(py::module_& module) {
   module.def("builtin_table", builtin_table);
   module.def("sky", sky);
   py::class_<ContentHandle>(module, "Content")
-      .def(py::init(&load), py::arg("scene"), py::arg("animation"), py::arg("time_s"), py::arg("default_light"),
-           py::arg("max_seconds"), py::arg("max_gb"))
+      .def(py::init(&load), py::arg("scene"), py::arg("animation"), py::arg("variant"), py::arg("time_s"),
+           py::arg("default_light"), py::arg("max_seconds"), py::arg("max_gb"))
       .def_property_readonly("warnings", [](const ContentHandle& c) {
         return static_cast<const std::vector<std::string>&>(c.content.warnings);
       })
@@ -114,6 +115,7 @@ void define_content(py::module_& module) {
       .def_property_readonly("objects", [](const ContentHandle& c) { return names_of(c.content.objects); })
       .def_property_readonly("light_names", [](const ContentHandle& c) { return names_of(c.content.lights); })
       .def_property_readonly("animations", [](const ContentHandle& c) { return names_of(c.content.animations); })
+      .def_property_readonly("variants", [](const ContentHandle& c) { return c.content.variants; })
       .def_property_readonly("lights", lights)
       .def_property_readonly("moves", [](const ContentHandle& c) { return scenes::moves(c.content); })
       .def("camera", camera, py::arg("index"), py::arg("aspect"))

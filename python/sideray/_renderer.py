@@ -31,7 +31,8 @@ _TABLE: Dict[str, Dict[str, Any]] = {row["name"]: row for row in _native.option_
 _ALWAYS = ("Z", "id")
 # Options of the program that belong to something else here.
 _ELSEWHERE = {
-    "animation": "sideray.load(path, animation=...)", "default-light": "sideray.load(path, default_light=...)",
+    "animation": "sideray.load(path, animation=...)", "variant": "sideray.load(path, variant=...)",
+    "default-light": "sideray.load(path, default_light=...)",
     "gl": "sideray.Renderer(gl=...)", "device": "sideray.Renderer(device=...)",
     "threads": "sideray.Renderer(threads=...)", "o": "Picture.save(path)", "frames": "Renderer.frames(scene, frames=...)",
     "fps": "Renderer.frames(scene, fps=...)", "stats": "Picture.stats and Picture.times",

@@ -392,6 +392,11 @@ class Scene:
         return self._content.animations if self._content else []
 
     @property
+    def variants(self) -> List[str]:
+        """The variants of the file's materials (KHR_materials_variants), which load(variant=...) takes."""
+        return self._content.variants if self._content else []
+
+    @property
     def time(self) -> float:
         """The moment that is shown, in seconds. Assign another to move what the file's animation moves."""
         return self._time
@@ -593,12 +598,13 @@ def _lat_long(path: str) -> np.ndarray:
     return np.stack([planes[c] for c in "RGB"], -1)
 
 
-def load(path: Union[str, "os.PathLike[str]"], *, animation: str = "", time: float = 0.0, default_light: bool = True,
-         env: Union[str, ArrayLike, None] = "sky", env_scale: float = 1.0, env_rotate: float = 0.0,
+def load(path: Union[str, "os.PathLike[str]"], *, animation: str = "", variant: str = "", time: float = 0.0,
+         default_light: bool = True, env: Union[str, ArrayLike, None] = "sky", env_scale: float = 1.0, env_rotate: float = 0.0,
          max_seconds: float = 0.0, max_gb: float = 0.0) -> Scene:
     """Reads a `.gltf` or `.glb` file, or makes a built-in scene ("panes", "forest?count=1000").
 
-    animation: "" = the first, "all", or a name; they loop. time: seconds. default_light: a file without lights gets a sun.
+    animation: "" = the first, "all", or a name; they loop. variant: of the materials, one of Scene.variants. time: seconds.
+    default_light: a file without lights gets a sun.
     env, env_scale, env_rotate: surroundings, as for Scene.set_environment. The surface id of the i-th object is i + 1;
     Scene.names has their names, Scene.warnings what was read otherwise than it is written. max_seconds of processor time,
     max_gb of memory (10^9 bytes): a file that takes more is refused; 0 = what SIDERAY_LOAD_SECONDS and SIDERAY_LOAD_GB say,
@@ -613,7 +619,7 @@ def load(path: Union[str, "os.PathLike[str]"], *, animation: str = "", time: flo
     for key, limit in (("max_seconds", max_seconds), ("max_gb", max_gb)):
         if not 0.0 <= limit <= 1e6:
             raise InvalidArgument(f"{key}: {limit} is not a number from 0 to 10^6; leave it out for the default")
-    content = _native.Content(name, animation, time, default_light, max_seconds, max_gb)
+    content = _native.Content(name, animation, variant, time, default_light, max_seconds, max_gb)
     scene = Scene(env=env, env_scale=env_scale, env_rotate=env_rotate, default_light=default_light)
     scene._time = time
     scene._scene.set_time(time, time)

@@ -55,13 +55,15 @@ class MotionPass {
     const glm::dvec3 direction(ray.direction);
     if (hit.instance == no_instance)
       return view_stands_ || request_.sky_stays ? glm::vec2(0.0f) : since(pixel, before_from_local_ * glm::dvec4(direction, 0.0));
+    const auto of_view = [&] {
+      if (view_stands_) return glm::vec2(0.0f);
+      return since(pixel, before_from_local_ * glm::dvec4(glm::dvec3(ray.origin) + hit.distance * direction, 1.0));
+    };
+    if (is_thin(hit)) return of_view();
     const model::Instance& instance = now_.instances[hit.instance];
     const Before& before = before_[hit.instance];
     const bool swayed = instance.wind != 0 && now_.time_s != request_.before->time_s;
-    if (!before.then && !swayed) {
-      if (view_stands_) return glm::vec2(0.0f);
-      return since(pixel, before_from_local_ * glm::dvec4(glm::dvec3(ray.origin) + hit.distance * direction, 1.0));
-    }
+    if (!before.then && !swayed) return of_view();
     const model::Instance& placed = before.then ? *before.then : instance;
     const glm::vec3 place = placed.local_from_object * glm::vec4(object_place(instance, before, hit), 1.0f);
     return since(pixel, (before.then ? request_.clip_from_local_before : before_from_local_) * glm::dvec4(place, 1.0));

@@ -22,6 +22,7 @@ struct LightWorker {
   ViewTile tile;
   std::vector<HitPlace> places;
   std::vector<uint32_t> texels;  // of `places`
+  std::vector<Hit> thin;         // those of `places` that are, as their records name them
   std::vector<glm::vec3> radiance;
   std::vector<SkyShares> sky;
   SurfaceBatch batch;
@@ -101,6 +102,8 @@ class LightPass {
   void list(LightWorker& w) {
     w.places.clear();
     w.texels.clear();
+    w.thin.clear();
+    w.thin.reserve(w.tile.pixels.size());  // `places` points into it
     for (size_t i = 0; i < w.tile.pixels.size(); ++i) {
       const uint32_t texel = w.tile.pixels[i].y * pixels_.width + w.tile.pixels[i].x;
       const Hit& hit = pixels_.hits[texel];
@@ -108,7 +111,12 @@ class LightPass {
         picture_[texel] = {environment_specular(*scene_.snapshot->environment, w.tile.rays[i].direction, 0.0f), 0.0f};
         continue;
       }
-      w.places.push_back({&hit, &w.tile.rays[i], w.tile.cones[i]});
+      const Hit* named = &hit;
+      if (is_thin(hit)) {
+        named = &w.thin.emplace_back(hit);
+        w.thin.back().instance = record_of(hit, *scene_.snapshot);
+      }
+      w.places.push_back({named, &w.tile.rays[i], w.tile.cones[i]});
       w.texels.push_back(texel);
     }
   }

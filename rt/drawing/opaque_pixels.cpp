@@ -3,14 +3,12 @@
 #include <limits>
 
 #include "rt/base/view_rays.h"
+#include "rt/drawing/thin_pixels.h"
 #include "rt/drawing/view_tile.h"
 #include "rt/surfaces/surface_batch.h"
 
 namespace sideray::rt {
 namespace {
-
-// Depth that is stored is never that of the background, however far away the surface is: an infinitely far plane has none.
-constexpr float least_stored_depth = std::numeric_limits<float>::min(), most_stored_depth = 1.0f - 0x1p-24f;
 
 struct SurfaceWorker {
   ViewTile tile;
@@ -18,6 +16,7 @@ struct SurfaceWorker {
   std::vector<uint32_t> counts;
   std::vector<HitPlace> places;
   std::vector<size_t> texels;  // of `places`
+  std::vector<Hit> named;      // hits of `places` that are thin, as their records name them
   std::vector<SurfacePoint> points;
   Counters counters;
 };
@@ -27,21 +26,35 @@ Cone cone_of_middle(const ViewRays& view, const OpaqueRequest& r) {
   return view.cone(r.width / 2, r.height / 2);
 }
 
-float stored_depth(const ViewRays& view, const OpaqueRequest& r, glm::uvec2 pixel, double distance) {
-  const auto depth = static_cast<float>(view.window_depth(view.pixel(pixel.x, pixel.y), distance));
-  return r.view.reversed_depth ? std::clamp(depth, least_stored_depth, 1.0f) : std::clamp(depth, 0.0f, most_stored_depth);
+float depth_of(const ViewRays& view, const OpaqueRequest& r, glm::uvec2 pixel, double distance) {
+  return stored_depth(r.view, view.window_depth(view.pixel(pixel.x, pixel.y), distance));
 }
 
 // Lists the tile's pixels that show a surface; `hits` are of all of them.
-void list_places(const ViewTile& tile, const Hit* hits, uint32_t width, SurfaceWorker& w) {
+void list_places(const ViewTile& tile, const Hit* hits, uint32_t width, const model::Snapshot& snapshot,
+                 SurfaceWorker& w) {
   w.places.clear();
   w.texels.clear();
+  w.named.assign(hits, hits + tile.pixels.size());
   for (size_t i = 0; i < tile.pixels.size(); ++i) {
     const size_t texel = size_t{tile.pixels[i].y} * width + tile.pixels[i].x;
     if (hits[i].instance == no_instance) continue;
-    w.places.push_back({&hits[i], &tile.rays[i], tile.cones[i]});
+    w.named[i].instance = record_of(hits[i], snapshot);
+    w.places.push_back({&w.named[i], &tile.rays[i], tile.cones[i]});
     w.texels.push_back(texel);
   }
+}
+
+// Keeps those of lines and points alone.
+void keep_thin(const OpaquePixels& pixels, SurfaceWorker& w) {
+  size_t kept = 0;
+  for (size_t i = 0; i < w.places.size(); ++i) {
+    if (!is_thin(pixels.hits[w.texels[i]])) continue;
+    w.places[kept] = w.places[i];
+    w.texels[kept++] = w.texels[i];
+  }
+  w.places.resize(kept);
+  w.texels.resize(kept);
 }
 
 void make_points(const ShadingScene& scene, const Intersector& intersector, SurfaceWorker& w) {
@@ -76,13 +89,27 @@ class SurfacePass {
       const Hit& hit = w.hits[i];
       const bool seen = hit.instance != no_instance;
       pixels_.hits[texel] = hit;
-      pixels_.depths[texel] = seen ? stored_depth(view_, request_, p, hit.distance) : static_cast<float>(view_.far_depth());
+      pixels_.depths[texel] = seen ? depth_of(view_, request_, p, hit.distance) : static_cast<float>(view_.far_depth());
     }
+  }
+
+  // The pixels' hits are those that lines and points have been drawn over.
+  void store_thin_normals(size_t index, SurfaceWorker& w) const {
+    w.tile.aim(view_, request_.width, request_.height, index);
+    w.hits.clear();
+    for (const glm::uvec2 p : w.tile.pixels) w.hits.push_back(pixels_.hits[size_t{p.y} * request_.width + p.x]);
+    list_places(w.tile, w.hits.data(), request_.width, *scene_.snapshot, w);
+    keep_thin(pixels_, w);
+    store_listed(w);
   }
 
  private:
   void store_normals(SurfaceWorker& w) const {
-    list_places(w.tile, w.hits.data(), request_.width, w);
+    list_places(w.tile, w.hits.data(), request_.width, *scene_.snapshot, w);
+    store_listed(w);
+  }
+
+  void store_listed(SurfaceWorker& w) const {
     make_points(scene_, intersector_, w);
     for (size_t i = 0; i < w.places.size(); ++i) pixels_.normals[w.texels[i]] = normal_roughness(w.points[i]);
   }
@@ -97,6 +124,12 @@ class SurfacePass {
 
 }  // namespace
 
+float stored_depth(const TraceView& view, double window_depth) {
+  constexpr float least = std::numeric_limits<float>::min(), most = 1.0f - 0x1p-24f;
+  const auto depth = static_cast<float>(window_depth);
+  return view.reversed_depth ? std::clamp(depth, least, 1.0f) : std::clamp(depth, 0.0f, most);
+}
+
 Counters trace_opaque_pixels(const OpaqueRequest& request, TracedScene& scene, OpaquePixels& pixels) {
   const size_t count = size_t{request.width} * request.height;
   pixels.width = request.width;
@@ -108,17 +141,24 @@ Counters trace_opaque_pixels(const OpaqueRequest& request, TracedScene& scene, O
   std::vector<SurfaceWorker> workers(scene.executor().threads());
   scene.executor().run(ViewTile::tiles_in(request.width, request.height),
                        [&](size_t tile, uint32_t thread) { pass.trace(tile, workers[thread]); });
+  draw_thin(request, scene.shading(), pixels);
+  if (request.normals && !scene.shading().snapshot->thin.empty())
+    scene.executor().run(ViewTile::tiles_in(request.width, request.height),
+                         [&](size_t tile, uint32_t thread) { pass.store_thin_normals(tile, workers[thread]); });
   Counters counters;
   for (const SurfaceWorker& worker : workers) counters += worker.counters;
   return counters;
 }
 
 std::vector<glm::uvec2> ids_of(const OpaquePixels& pixels, TracedScene& scene) {
-  const std::vector<model::Instance>& instances = scene.shading().snapshot->instances;
+  const model::Snapshot& snapshot = *scene.shading().snapshot;
   std::vector<glm::uvec2> ids(pixels.hits.size(), glm::uvec2(0));
   for (size_t i = 0; i < ids.size(); ++i) {
     const Hit& hit = pixels.hits[i];
-    if (hit.instance != no_instance) ids[i] = {instances[hit.instance].surface_id, hit.primitive + 1};
+    if (hit.instance == no_instance) continue;
+    const model::Instance& instance =
+        is_thin(hit) ? snapshot.thin[hit.instance & ~thin_instance] : snapshot.instances[hit.instance];
+    ids[i] = {instance.surface_id, hit.primitive + 1};
   }
   return ids;
 }
@@ -135,7 +175,7 @@ OpaqueMaterials materials_of(const OpaqueRequest& request, const OpaquePixels& p
     w.tile.aim(view, request.width, request.height, index);
     w.hits.clear();
     for (const glm::uvec2 p : w.tile.pixels) w.hits.push_back(pixels.hits[size_t{p.y} * request.width + p.x]);
-    list_places(w.tile, w.hits.data(), request.width, w);
+    list_places(w.tile, w.hits.data(), request.width, *shading.snapshot, w);
     make_points(shading, scene.intersector(), w);
     for (size_t i = 0; i < w.places.size(); ++i) {
       const SurfacePoint& point = w.points[i];

@@ -45,6 +45,14 @@ bool same_particles(const model::ParticleSystem& a, const model::ParticleSystem&
   return std::memcmp(&a.desc, &b.desc, sizeof(a.desc)) == 0 && std::ranges::equal(a.sprites, b.sprites, same_sprite);
 }
 
+// Lines and points show what they are of, and no more: no mover is told of them.
+bool same_thin(const model::Snapshot& a, const model::Snapshot& b) {
+  return std::ranges::equal(a.thin, b.thin, [&](const model::Instance& i, const model::Instance& j) {
+    return a.meshes[i.mesh] == b.meshes[j.mesh] && i.material == j.material && i.surface_id == j.surface_id &&
+           i.local_from_object == j.local_from_object;
+  });
+}
+
 void add_box(model::Bounds& all, const model::Bounds& box) {
   if (box.empty()) return;
   all.add(box.minimum);
@@ -118,7 +126,7 @@ bool differ_in_places_only(const model::Snapshot& a, const model::Snapshot& b) {
     return false;
   if (!same_materials(a, b) || !same_shading(a, b)) return false;
   // Equal names mean that the indices of one snapshot are those of the other.
-  if (a.instance_names != b.instance_names) return false;
+  if (a.instance_names != b.instance_names || !same_thin(a, b)) return false;
   MeshComparison meshes(a, b);
   return std::equal(a.instances.begin(), a.instances.end(), b.instances.begin(), b.instances.end(),
                     [&](const model::Instance& i, const model::Instance& j) {
@@ -143,7 +151,7 @@ std::optional<std::vector<Mover>> find_movers(const model::Snapshot& a, const mo
   if (a.origin != b.origin || a.environment != b.environment || a.textures != b.textures || !same_shading(a, b) ||
       a.instance_names != b.instance_names || a.material_names != b.material_names ||
       a.instances.size() != b.instances.size() || a.materials.size() != b.materials.size() ||
-      a.lights.size() != b.lights.size())
+      a.lights.size() != b.lights.size() || !same_thin(a, b))
     return std::nullopt;
   // Translucency decides which rays are traced at all.
   for (size_t i = 0; i < a.materials.size(); ++i)

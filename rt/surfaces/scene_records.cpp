@@ -173,9 +173,9 @@ SceneRecords make_records(const model::Snapshot& snapshot, std::span<const SrMat
   SceneRecords r;
   for (const shading::SrFixedMaterial& m : fixed) r.fixed.push_back(fixed_record(m));
   if (snapshot.fixed) r.model = fixed_model_terms(*snapshot.fixed);
-  r.instances.reserve(snapshot.instances.size());
-  for (const model::Instance& i : snapshot.instances)
-    r.instances.push_back(instance_record(i, *snapshot.meshes[i.mesh]));
+  r.instances.reserve(snapshot.instances.size() + snapshot.thin.size());
+  for (const std::vector<model::Instance>* instances : {&snapshot.instances, &snapshot.thin})
+    for (const model::Instance& i : *instances) r.instances.push_back(instance_record(i, *snapshot.meshes[i.mesh]));
   r.sprites = std::ranges::any_of(r.instances, [](const InstanceRecord& i) { return i.sprites; });
   size_t level_count = 0;
   for (const std::vector<TextureRead>& reads : textures)

@@ -13,7 +13,7 @@ namespace sideray::rt {
 
 // They point into the snapshot, which the owner keeps.
 struct SceneRecords {
-  std::vector<InstanceRecord> instances;
+  std::vector<InstanceRecord> instances;  // of the snapshot, and behind them those of its lines and points
   std::vector<MaterialRecord> materials;
   std::vector<ReadRecord> reads;
   std::vector<OutputRecord> outputs;

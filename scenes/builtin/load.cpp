@@ -35,6 +35,7 @@ Content load(const std::string& scene, const LoadOptions& options) {
   if (is_builtin(scene.substr(0, scene.find('?')))) {
     Content content = generate_named(scene);
     check_animation(content, options.animation);
+    check_variant(content, options.variant);
     pose(content, options.time_s);
     return content;
   }

@@ -10,57 +10,8 @@
 namespace sideray::scenes {
 namespace {
 
-size_t components_of(const Channel& channel) {
-  if (channel.property == Property::weights) return channel.targets;
-  return channel.property == Property::rotation ? 4 : 3;
-}
-
-// Up to four numbers of an element, from `first` on.
-glm::dvec4 value_at(const Channel& channel, size_t element, size_t first) {
-  const size_t components = components_of(channel);
-  glm::dvec4 value(0.0);
-  for (size_t c = first; c < std::min(components, first + 4); ++c)
-    value[static_cast<int>(c - first)] = double{channel.values[element * components + c]};
-  return value;
-}
-
-// glTF 2.0, appendix C.5: a Hermite spline whose tangents are per second.
-glm::dvec4 cubic(const Channel& channel, size_t key, double t, double duration, size_t first) {
-  const glm::dvec4 v0 = value_at(channel, 3 * key + 1, first), v1 = value_at(channel, 3 * key + 4, first);
-  const glm::dvec4 out0 = value_at(channel, 3 * key + 2, first), in1 = value_at(channel, 3 * key + 3, first);
-  const double t2 = t * t, t3 = t2 * t;
-  return (2 * t3 - 3 * t2 + 1) * v0 + duration * (t3 - 2 * t2 + t) * out0 + (3 * t2 - 2 * t3) * v1 +
-         duration * (t3 - t2) * in1;
-}
-
 glm::dquat quaternion(const glm::dvec4& v) {
   return {v.w, v.x, v.y, v.z};
-}
-
-glm::dvec4 unit(const glm::dvec4& v) {
-  const double length = glm::length(v);
-  return length > 1e-6 ? v / length : glm::dvec4(0, 0, 0, 1);
-}
-
-double looped(double time_s, double period_s) {
-  if (!(period_s > 0.0)) return time_s;
-  return time_s - period_s * std::floor(time_s / period_s);
-}
-
-glm::dvec4 interpolate(const Channel& channel, double time, size_t first) {
-  const std::vector<float>& times = channel.times;
-  const size_t stored = channel.interpolation == Interpolation::cubic ? 3 : 1, middle = stored / 2;
-  const auto next =
-      std::upper_bound(times.begin(), times.end(), time, [](double t, float key) { return t < double{key}; });
-  if (next == times.begin()) return value_at(channel, middle, first);
-  if (next == times.end()) return value_at(channel, (times.size() - 1) * stored + middle, first);
-  const auto key = static_cast<size_t>(next - times.begin()) - 1;
-  if (channel.interpolation == Interpolation::step) return value_at(channel, key, first);
-  const double start = double{times[key]}, duration = double{times[key + 1]} - start, t = (time - start) / duration;
-  if (channel.interpolation == Interpolation::cubic) return cubic(channel, key, t, duration, first);
-  const glm::dvec4 from = value_at(channel, key, first), to = value_at(channel, key + 1, first);
-  if (channel.property == Property::rotation) return slerp(unit(from), unit(to), t);
-  return glm::mix(from, to, t);
 }
 
 // By a power of 2, which changes no bit of its direction, so that its largest coordinate is near 1: the square of 1e300
@@ -156,33 +107,22 @@ void deform(Content& content, const Rig& rig, const std::vector<glm::dmat4>& wor
     if (rig.morphed[i].is_skinned) continue;
     Mesh& mesh = content.meshes[rig.morphed[i].mesh];
     blended[i].name.swap(mesh.name), blended[i].indices.swap(mesh.indices);
+    blended[i].topology = mesh.topology;
     std::swap(mesh, blended[i]);
   }
 }
 
-// An object scaled to nothing is shown as nothing, yet what traces and shades it needs an inverse.
-glm::dmat4 drawable(const glm::dmat4& m) {
-  if (can_be_inverted(m)) return m;
+// What is shown as nothing needs an inverse all the same, for what traces and shades it.
+glm::dmat4 invisible_at(const glm::dvec4& place) {
   constexpr double invisible = 1e-9;
-  return {glm::dvec4(invisible, 0, 0, 0), glm::dvec4(0, invisible, 0, 0), glm::dvec4(0, 0, invisible, 0), m[3]};
+  return {glm::dvec4(invisible, 0, 0, 0), glm::dvec4(0, invisible, 0, 0), glm::dvec4(0, 0, invisible, 0), place};
+}
+
+glm::dmat4 drawable(const glm::dmat4& m) {
+  return can_be_inverted(m) ? m : invisible_at(m[3]);
 }
 
 }  // namespace
-
-glm::dvec4 sample(const Channel& channel, double time_s) {
-  const glm::dvec4 value = interpolate(channel, looped(time_s, channel.period_s), 0);
-  return channel.property == Property::rotation ? unit(value) : value;
-}
-
-std::vector<double> sample_weights(const Channel& channel, double time_s) {
-  std::vector<double> weights(channel.targets);
-  for (size_t first = 0; first < weights.size(); first += 4) {
-    const glm::dvec4 value = interpolate(channel, looped(time_s, channel.period_s), first);
-    const size_t end = std::min(weights.size(), first + 4);
-    for (size_t c = first; c < end; ++c) weights[c] = value[static_cast<int>(c - first)];
-  }
-  return weights;
-}
 
 glm::dmat4 matrix_of(const Placement& placement) {
   glm::dmat4 matrix = glm::mat4_cast(placement.rotation);
@@ -205,7 +145,9 @@ std::vector<glm::dmat4> Rig::world_from_nodes(double time_s) const {
   std::vector<Placement> placements(nodes.size());
   for (size_t i = 0; i < nodes.size(); ++i) placements[i] = nodes[i].rest;
   for (const Channel& channel : channels) {
-    if (channel.property == Property::weights) continue;
+    const bool moves = channel.property == Property::translation || channel.property == Property::rotation ||
+                       channel.property == Property::scale;
+    if (!moves) continue;
     const glm::dvec4 value = sample(channel, time_s);
     Placement& placement = placements[channel.node];
     if (channel.property == Property::translation) placement.translation = glm::dvec3(value);
@@ -219,6 +161,23 @@ std::vector<glm::dmat4> Rig::world_from_nodes(double time_s) const {
     world[i] = node.parent < 0 ? parent_from_node : world[static_cast<size_t>(node.parent)] * parent_from_node;
   }
   return world;
+}
+
+std::vector<bool> Rig::hidden_nodes(double time_s) const {
+  std::vector<bool> hidden(nodes.size());
+  for (size_t i = 0; i < nodes.size(); ++i) hidden[i] = nodes[i].is_hidden;
+  for (const Channel& channel : channels)
+    if (channel.property == Property::visible) hidden[channel.node] = sample(channel, time_s).x < 0.5;
+  for (size_t i = 0; i < nodes.size(); ++i)
+    if (nodes[i].parent >= 0 && hidden[static_cast<size_t>(nodes[i].parent)]) hidden[i] = true;
+  return hidden;
+}
+
+bool Rig::is_always_hidden(uint32_t node) const {
+  if (nodes[node].blinks) return false;
+  for (int i = static_cast<int>(node); i >= 0; i = nodes[static_cast<size_t>(i)].parent)
+    if (nodes[static_cast<size_t>(i)].is_hidden) return true;
+  return false;
 }
 
 std::vector<double> Rig::weights(const MorphedMesh& mesh, double time_s) const {
@@ -245,10 +204,11 @@ void pose(Content& content, double time_s) {
   if (content.rig == nullptr) return;
   const Rig& rig = *content.rig;
   const std::vector<glm::dmat4> world = rig.world_from_nodes(time_s);
+  const std::vector<bool> hidden = rig.hidden_nodes(time_s);
   // An object that would be placed nowhere stays where it was.
   for (const Attached& a : rig.objects) {
-    const glm::dmat4 m = world[a.node] * a.node_from_it;
-    if (is_usable(m)) set_transform(content.objects[a.index], drawable(m));
+    const glm::dmat4 m = a.is_in_world ? glm::dmat4(1.0) : world[a.node] * a.node_from_it;
+    if (is_usable(m)) set_transform(content.objects[a.index], hidden[a.node] ? invisible_at(m[3]) : drawable(m));
   }
   for (const Attached& a : rig.cameras) {
     const glm::dmat4 m = without_scale(world[a.node]);
@@ -259,6 +219,9 @@ void pose(Content& content, double time_s) {
     const glm::dmat4 m = without_scale(world[a.node]);
     if (is_usable(m)) place_light(content.lights[a.index].light, m);
   }
+  for (const AnimatedLight& a : rig.light_values) set_values(a, time_s, hidden[a.node], content);
+  for (const AnimatedMaterial& a : rig.materials) set_values(a, time_s, content);
+  for (const AnimatedCamera& a : rig.camera_values) set_values(a, time_s, content);
   deform(content, rig, world, time_s);
 }
 

@@ -7,30 +7,11 @@
 #include <glm/gtc/quaternion.hpp>
 #include <vector>
 
+#include "scenes/content/animated_values.h"
 #include "scenes/content/content.h"
 #include "scenes/content/morph.h"
 
 namespace sideray::scenes {
-
-enum class Interpolation { step, linear, cubic };
-enum class Property { translation, rotation, scale, weights };
-
-// One property of one node over time. Values are 3 numbers a key, rotations 4 (x, y, z, w), weights one for each
-// target; cubic keys are (in-tangent, value, out-tangent), as glTF stores them.
-struct Channel {
-  uint32_t node = 0;
-  Property property = Property::translation;
-  uint32_t targets = 0;  // of weights
-  Interpolation interpolation = Interpolation::linear;
-  double period_s = 0;        // the length of its animation, after which it starts again
-  std::vector<float> times;   // seconds, not falling; at least one
-  std::vector<float> values;  // finite
-};
-
-// The value at a time; before the first key and behind the last one it stands still. Rotations have unit length.
-glm::dvec4 sample(const Channel& channel, double time_s);
-// The same of weights.
-std::vector<double> sample_weights(const Channel& channel, double time_s);
 
 struct Placement {
   glm::dvec3 translation{0.0};
@@ -47,6 +28,8 @@ struct RigNode {
   int parent = -1;  // stands before it in the list
   bool is_animated = false, moves = false;
   bool is_morphing = false;  // a channel changes its weights
+  bool is_hidden = false;    // at rest, with all below it (KHR_node_visibility)
+  bool blinks = false;       // a channel hides it, or a node above it
   glm::dmat4 parent_from_node{1.0};  // where it is not animated
   Placement rest;                    // what channels leave alone
 };
@@ -70,6 +53,7 @@ struct SkinnedMesh {
 struct Attached {
   uint32_t index = 0, node = 0;
   glm::dmat4 node_from_it{1.0};
+  bool is_in_world = false;  // skinned: it stands in the world, whatever its node does
 };
 
 class Rig {
@@ -80,8 +64,13 @@ class Rig {
   std::vector<SkinnedMesh> skinned;
   std::vector<MorphedMesh> morphed;
   std::vector<Attached> objects, cameras, lights;
+  std::vector<AnimatedMaterial> materials;
+  std::vector<AnimatedLight> light_values;
+  std::vector<AnimatedCamera> camera_values;
 
   std::vector<glm::dmat4> world_from_nodes(double time_s) const;
+  std::vector<bool> hidden_nodes(double time_s) const;
+  bool is_always_hidden(uint32_t node) const;
   std::vector<double> weights(const MorphedMesh& mesh, double time_s) const;
 };
 

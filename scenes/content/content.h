@@ -43,6 +43,7 @@ struct Mesh {
   std::string name;
   std::vector<float> positions, normals, tangents, uv0, uv1, colors;  // 3, 3, 4, 2, 2, 4 a vertex; empty = absent
   std::vector<uint32_t> indices;
+  sideray_topology topology = SIDERAY_TRIANGLES;
 };
 
 // One drawn primitive. The surface id given to the scene is its index in Content::objects + 1.
@@ -73,6 +74,7 @@ struct Content {
   std::vector<sideray_wind_desc> winds;  // extras.sideray.wind of nodes
   std::vector<Emitter> emitters;         // where load() had them; pose() leaves them there
   std::vector<Animation> animations;
+  std::vector<std::string> variants;  // of materials (KHR_materials_variants)
   std::vector<std::string> extensions, defaulted;
   Warnings warnings;
   std::shared_ptr<const Rig> rig;  // what moves it; null where nothing does
@@ -85,6 +87,7 @@ struct UnknownScene : Error {
 
 struct LoadOptions {
   std::string animation;  // "" = the first one, "all" = all of them; they loop
+  std::string variant{};  // of materials; "" = those that the primitives themselves name
   double time_s = 0;
   bool default_light = true;  // a sun where a file has no light
   ReadLimits limits{};
@@ -95,6 +98,11 @@ struct UnknownAnimation : Error {
   using Error::Error;
 };
 
+// The same of a variant.
+struct UnknownVariant : Error {
+  using Error::Error;
+};
+
 // Whether it is the path of a .gltf or .glb file, or of a folder; there need not be one.
 bool may_be_file(const std::string& scene);
 // Reads a .gltf or .glb file; builtin.h loads built-in scenes too. Throws Error with one clear line.
@@ -102,6 +110,8 @@ Content load_file(const std::string& path, const LoadOptions& options = {});
 
 // Throws UnknownAnimation where the content has no animation by that name; "" and "all" are always there.
 void check_animation(const Content& content, const std::string& name);
+// Throws UnknownVariant where the content has no variant by that name; "" is always there.
+void check_variant(const Content& content, const std::string& name);
 
 // Moves objects, skinned meshes, lights and cameras to where the animations have them at that time, and particles to
 // where they are by then. Of all but particles, what is drawn of the content stays as many.

@@ -70,18 +70,40 @@ struct PlacedNode {
   size_t node;
   glm::dmat4 world_from_node;
   bool moves = false;
+  bool is_hidden = false;  // by KHR_node_visibility, at any time: nothing of it is read
   uint32_t first_object = 0, object_count = 0;  // of Content::objects, once they are read
 };
 // Fills rig.nodes; the nodes stand at rest.
 std::vector<PlacedNode> place_nodes(const File& file, Rig& rig, Content& content);
 
-// Appends all materials, in the file's order, and the textures they use. One that is broken and on no node gets the
-// defaults and a warning.
-void read_materials(const File& file, std::span<const PlacedNode> nodes, Content& content);
+// KHR_materials_volume_scatter.
+struct Scattering {
+  glm::dvec3 color;  // that an endlessly thick body of it has
+  double anisotropy;
+};
+// Throws Error, which names the `user`.
+std::optional<Scattering> read_scattering(const File& file, const tinygltf::Material& source, const std::string& user,
+                                          Content& content);
 
-// Lists all animations and plays `wanted` of them (LoadOptions::animation). Throws UnknownAnimation.
-void read_animations(const File& file, const std::vector<PlacedNode>& nodes, const std::string& wanted, Rig& rig,
-                     Content& content);
+// Appends all materials, in the file's order, and the textures they use. One that is broken and on no node gets the
+// defaults and a warning. Returns what scatters, by the materials' indices.
+std::map<uint32_t, Scattering> read_materials(const File& file, std::span<const PlacedNode> nodes, Content& content);
+
+// Lists the variants of materials, and gives each primitive the material that it has in `wanted` of them
+// (LoadOptions::variant), so that no later step knows of them. Throws Error and UnknownVariant.
+void apply_variant(File& file, const std::string& wanted, Content& content);
+
+// A value of a material, light or camera that a channel changes (gltf_pointer.h).
+struct PointerTarget;
+struct AnimatedValue {
+  std::shared_ptr<const PointerTarget> target;
+  Channel channel;
+};
+
+// Lists all animations and plays `wanted` of them (LoadOptions::animation): those of nodes by channels of the rig.
+// Returns the others. Throws UnknownAnimation.
+std::vector<AnimatedValue> read_animations(const File& file, const std::vector<PlacedNode>& nodes,
+                                           const std::string& wanted, Rig& rig, Content& content);
 
 // Number of morph targets of a node's mesh; 0 where it has no mesh.
 size_t target_count(const File& file, const tinygltf::Node& node);
@@ -127,8 +149,13 @@ void warn_of_unused_images(const File& file, Content& content);
 // Each adds what moves to the rig. read_objects returns for each object its place in the scene's order, or any_place.
 constexpr uint32_t any_place = UINT32_MAX;
 std::vector<uint32_t> read_objects(const File& file, std::span<PlacedNode> nodes, Rig& rig, Content& content);
-void read_cameras(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content);
-void read_lights(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content);
+// Which light or camera of the content is one of the file, on a node of the rig.
+struct ReadThing {
+  size_t of_file;
+  uint32_t node, of_content;
+};
+std::vector<ReadThing> read_cameras(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content);
+std::vector<ReadThing> read_lights(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content);
 // Winds and emitters.
 void read_node_extras(const File& file, std::span<const PlacedNode> nodes, Content& content);
 
@@ -136,7 +163,16 @@ void read_node_extras(const File& file, std::span<const PlacedNode> nodes, Conte
 // holds no longer.
 void order_objects(std::span<const uint32_t> places, Rig& rig, Content& content);
 // Multiplies thickness, which the file gives in the mesh's space, by the scale of the objects that have the material.
-void scale_thickness(Content& content);
+// `thickness_varies`: materials that may get one later. Returns what has been scaled; the first of a source is itself.
+struct ScaledMaterial {
+  uint32_t source, material;  // of Content::materials
+  float scale;
+};
+std::vector<ScaledMaterial> scale_thickness(const std::set<uint32_t>& thickness_varies, Content& content);
+
+// Gives materials that scatter, of their thickness, what comes near to that. `scaled`: all that have a thickness.
+void show_scattering(const std::map<uint32_t, Scattering>& scattering, std::span<const ScaledMaterial> scaled,
+                     Content& content);
 
 Content load(const std::string& path, const LoadOptions& options);
 

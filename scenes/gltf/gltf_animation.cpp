@@ -3,8 +3,9 @@
 
 #include "scenes/base/limits.h"
 #include "scenes/gltf/gltf.h"
+#include "scenes/gltf/gltf_pointer.h"
 
-// Node animations as channels of the rig.
+// Animations: of nodes as channels of the rig, of what pointers lead to as values.
 namespace sideray::scenes::gltf {
 namespace {
 
@@ -33,7 +34,7 @@ class AnimationReader {
     const tinygltf::Animation& animation = file_.model.animations[index];
     double length = 0.0;
     for (size_t c = 0; c < animation.channels.size(); ++c) {
-      const std::string user = fmt::format("animation {}, channel {}", name_of(file_, index), c);
+      const std::string user = user_of(index, c);
       const std::vector<float> keys = times(sampler(animation, c, user), user);
       length = std::max(length, double{keys.back()});
       if (keys.front() < 0.0f)
@@ -46,36 +47,98 @@ class AnimationReader {
     const tinygltf::Animation& animation = file_.model.animations[index];
     for (size_t c = 0; c < animation.channels.size(); ++c) {
       const tinygltf::AnimationChannel& source = animation.channels[c];
-      const std::string user = fmt::format("animation {}, channel {}", name_of(file_, index), c);
+      const Source keys{sampler(animation, c, user_of(index, c)), user_of(index, c), period_s};
+      if (source.target_path == "pointer") {
+        play_pointer(source, keys);
+        continue;
+      }
       const std::optional<Property> property = property_of(source.target_path);
-      // Without a node it is for extensions; nodes outside the scene are not seen.
+      // Without a node it is for extensions.
       if (!property || source.target_node < 0) continue;
-      const int node = rig_node_[checked_index(file_, source.target_node, rig_node_.size(), "node", user)];
-      if (node < 0) continue;
-      const tinygltf::Node& target = file_.model.nodes[static_cast<size_t>(source.target_node)];
-      const bool is_weights = property == Property::weights;
-      const size_t targets = is_weights ? target_count(file_, target) : 0;
-      if (is_weights && targets == 0) {
-        content_.warnings.push_back(fmt::format("{}: its node has no morph targets; left out", user));
-        continue;
-      }
-      if (!is_weights && !target.matrix.empty()) {
-        content_.warnings.push_back(fmt::format("{}: its node has a matrix, which cannot be animated; left out", user));
-        continue;
-      }
-      Channel channel;
-      channel.node = static_cast<uint32_t>(node);
-      channel.property = *property;
-      channel.period_s = period_s;
-      channel.targets = static_cast<uint32_t>(targets);
-      read_keys(sampler(animation, c, user), user, channel);
-      rig_.nodes[channel.node].is_animated |= !is_weights;
-      rig_.nodes[channel.node].is_morphing |= is_weights;
-      rig_.channels.push_back(std::move(channel));
+      play_node(checked_index(file_, source.target_node, rig_node_.size(), "node", keys.user), *property, keys);
     }
   }
 
+  std::vector<AnimatedValue> take_values() { return std::move(values_); }
+
  private:
+  // Where a channel's keys come from.
+  struct Source {
+    const tinygltf::AnimationSampler& sampler;
+    std::string user;
+    double period_s;
+  };
+
+  std::string user_of(size_t animation, size_t channel) const {
+    return fmt::format("animation {}, channel {}", name_of(file_, animation), channel);
+  }
+
+  void play_node(size_t target_index, Property property, const Source& keys) {
+    // Nodes outside the scene are not seen.
+    const int node = rig_node_[target_index];
+    if (node < 0) return;
+    const tinygltf::Node& target = file_.model.nodes[target_index];
+    const size_t targets = property == Property::weights ? target_count(file_, target) : 0;
+    if (property == Property::weights && targets == 0) {
+      content_.warnings.push_back(fmt::format("{}: its node has no morph targets; left out", keys.user));
+      return;
+    }
+    const bool moves = property != Property::weights && property != Property::visible;
+    if (moves && !target.matrix.empty()) {
+      content_.warnings.push_back(
+          fmt::format("{}: its node has a matrix, which cannot be animated; left out", keys.user));
+      return;
+    }
+    Channel channel;
+    channel.node = static_cast<uint32_t>(node);
+    channel.property = property;
+    channel.targets = static_cast<uint32_t>(targets);
+    read_keys(keys, channel);
+    rig_.nodes[channel.node].is_animated |= moves;
+    rig_.nodes[channel.node].is_morphing |= property == Property::weights;
+    rig_.nodes[channel.node].blinks |= property == Property::visible;
+    rig_.channels.push_back(std::move(channel));
+  }
+
+  void play_pointer(const tinygltf::AnimationChannel& source, const Source& keys) {
+    using Kind = PointerTarget::Kind;
+    const tinygltf::Value* e = extension(source.target_extensions, "KHR_animation_pointer");
+    if (e == nullptr) {
+      content_.warnings.push_back(fmt::format("{}: it has no pointer of KHR_animation_pointer; left out", keys.user));
+      return;
+    }
+    if (!e->Has("pointer") || !e->Get("pointer").IsString())
+      refuse("cannot read {}: the pointer of {} is not text; export it again", file_.path, keys.user);
+    const auto pointer = e->Get("pointer").Get<std::string>();
+    auto target = std::make_shared<PointerTarget>(pointer_target(file_, pointer, keys.user));
+    const bool of_node = target->kind == Kind::node;
+    if (const auto property = property_of(target->property); of_node && property)
+      return play_node(target->index, *property, keys);
+    if (of_node && target->property == "extensions/KHR_node_visibility/visible")
+      return play_node(target->index, Property::visible, keys);
+    if (target->kind == Kind::mesh && target->property == "weights") return play_mesh_weights(target->index, keys);
+    Channel channel;
+    channel.property = Property::value;
+    channel.targets = numbers_of(*target);
+    if (channel.targets == 0) {
+      if (unknown_.insert(pointer).second)
+        content_.warnings.push_back(
+            fmt::format("{}: its pointer {} leads to nothing that can change here; it stays as it is", keys.user,
+                        pointer));
+      return;
+    }
+    read_keys(keys, channel);
+    values_.push_back({std::move(target), std::move(channel)});
+  }
+
+  // They are those of the nodes that have the mesh and no weights of their own.
+  void play_mesh_weights(size_t mesh, const Source& keys) {
+    for (size_t i = 0; i < file_.model.nodes.size(); ++i) {
+      const tinygltf::Node& node = file_.model.nodes[i];
+      if (node.mesh == static_cast<int>(mesh) && node.weights.empty()) play_node(i, Property::weights, keys);
+    }
+  }
+
   const tinygltf::AnimationSampler& sampler(const tinygltf::Animation& animation, size_t channel,
                                             const std::string& user) {
     const auto& samplers = animation.samplers;
@@ -102,10 +165,14 @@ class AnimationReader {
     return times;
   }
 
-  void read_keys(const tinygltf::AnimationSampler& source, const std::string& user, Channel& channel) {
+  void read_keys(const Source& keys, Channel& channel) {
+    const tinygltf::AnimationSampler& source = keys.sampler;
+    const std::string& user = keys.user;
+    channel.period_s = keys.period_s;
     channel.times = times(source, user);
     size_t elements = channel.times.size();
-    if (source.interpolation == "STEP") {
+    // What is true or false does not pass through what lies between.
+    if (source.interpolation == "STEP" || channel.property == Property::visible) {
       channel.interpolation = Interpolation::step;
     } else if (source.interpolation == "CUBICSPLINE") {
       channel.interpolation = Interpolation::cubic;
@@ -116,7 +183,7 @@ class AnimationReader {
     }
     // Weights are single numbers, as many a key as there are targets.
     const bool is_weights = channel.property == Property::weights;
-    const uint32_t components = is_weights ? 1 : channel.property == Property::rotation ? 4 : 3;
+    const auto components = is_weights ? 1u : static_cast<uint32_t>(components_of(channel));
     if (is_weights) elements *= channel.targets;
     count(accessor_count(file_, source.output, user + ", values") * components);
     channel.values = read_floats(file_, source.output, components, elements, user + ", values");
@@ -129,13 +196,15 @@ class AnimationReader {
   Rig& rig_;
   Content& content_;
   std::vector<int> rig_node_;  // of each node of the file; -1 = not in the scene
+  std::vector<AnimatedValue> values_;
+  std::set<std::string> unknown_;  // pointers
   size_t numbers_ = 0;
 };
 
 }  // namespace
 
-void read_animations(const File& file, const std::vector<PlacedNode>& nodes, const std::string& wanted, Rig& rig,
-                     Content& content) {
+std::vector<AnimatedValue> read_animations(const File& file, const std::vector<PlacedNode>& nodes,
+                                           const std::string& wanted, Rig& rig, Content& content) {
   AnimationReader reader(file, nodes, rig, content);
   for (size_t i = 0; i < file.model.animations.size(); ++i)
     content.animations.push_back({name_of(file, i), reader.length(i)});
@@ -147,8 +216,12 @@ void read_animations(const File& file, const std::vector<PlacedNode>& nodes, con
     has_one = true;
     reader.play(i, content.animations[i].length_s);
   }
-  for (RigNode& node : rig.nodes)
-    node.moves = node.is_animated || (node.parent >= 0 && rig.nodes[static_cast<size_t>(node.parent)].moves);
+  for (RigNode& node : rig.nodes) {
+    const RigNode* parent = node.parent < 0 ? nullptr : &rig.nodes[static_cast<size_t>(node.parent)];
+    node.blinks = node.blinks || (parent && parent->blinks);
+    node.moves = node.is_animated || node.blinks || (parent && parent->moves);
+  }
+  return reader.take_values();
 }
 
 }  // namespace sideray::scenes::gltf

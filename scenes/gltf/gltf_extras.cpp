@@ -154,7 +154,7 @@ void read_node_extras(const File& file, std::span<const PlacedNode> nodes, Conte
   for (const PlacedNode& placed : nodes) {
     const tinygltf::Node& node = file.model.nodes[placed.node];
     const tinygltf::Value* ours = sideray_extras(node.extras);
-    if (ours == nullptr) continue;
+    if (ours == nullptr || placed.is_hidden) continue;
     const std::string name = node.name.empty() ? fmt::format("node{}", placed.node) : node.name;
     const std::string user = "node " + name;
     for (const std::string& key : ours->Keys()) {

@@ -238,6 +238,7 @@ const char* const* note_of(const std::string& extension) {
   static const std::map<std::string, const char*> known{{"EXT_mesh_gpu_instancing", nullptr},
                                                         {"EXT_meshopt_compression", nullptr},
                                                         {"EXT_texture_webp", nullptr},
+                                                        {"KHR_animation_pointer", nullptr},
                                                         {"KHR_draco_mesh_compression", nullptr},
                                                         {"KHR_lights_punctual", nullptr},
                                                         {"KHR_materials_anisotropy", nullptr},
@@ -252,9 +253,12 @@ const char* const* note_of(const std::string& extension) {
                                                         {"KHR_materials_specular", nullptr},
                                                         {"KHR_materials_transmission", nullptr},
                                                         {"KHR_materials_unlit", nullptr},
-                                                        {"KHR_materials_variants", "the default variant is shown"},
+                                                        {"KHR_materials_variants", nullptr},
                                                         {"KHR_materials_volume", nullptr},
+                                                        {"KHR_materials_volume_scatter", nullptr},
                                                         {"KHR_mesh_quantization", nullptr},
+                                                        {"KHR_node_visibility", nullptr},
+                                                        {"KHR_texture_basisu", nullptr},
                                                         {"KHR_texture_transform", nullptr},
                                                         {"MSFT_lod", "the most detailed level is shown"}};
   const auto found = known.find(extension);
@@ -262,7 +266,7 @@ const char* const* note_of(const std::string& extension) {
 }
 
 const char* remedy_for(const std::string& extension) {
-  static const std::set<std::string> compressed{"KHR_meshopt_compression", "KHR_texture_basisu", "EXT_texture_avif"};
+  static const std::set<std::string> compressed{"KHR_meshopt_compression", "EXT_texture_avif"};
   return compressed.contains(extension) ? "use a decoded copy, for example one that gltf-transform wrote without it"
                                         : "export the scene without it";
 }
@@ -516,6 +520,7 @@ File read(const std::string& path, Budget& budget) {
     changed |= mend_uris(root, folder, file);
     changed |= hide_empty_primitives(root);
     file.broken_cameras = hide_broken_cameras(root);
+    changed |= mend_targets(root);
     changed |= mend_spots(root) || !file.broken_cameras.empty();
     changed |= point_at_compressed(root, path);
     changed |= hide_draco_indices(root, path);

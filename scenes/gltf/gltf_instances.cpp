@@ -2,7 +2,7 @@
 #include <bit>
 #include <cmath>
 
-#include "scenes/gltf/glb_instances.h"
+#include "scenes/glb/glb_instances.h"
 #include "scenes/gltf/gltf.h"
 #include "scenes/base/limits.h"
 

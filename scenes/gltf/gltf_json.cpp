@@ -162,6 +162,22 @@ bool mend_spots(Json& root) {
   return changed;
 }
 
+bool mend_targets(Json& root) {
+  const auto animations = root.find("animations");
+  if (animations == root.end() || !animations->is_array()) return false;
+  bool changed = false;
+  for (Json& animation : *animations) {
+    if (!animation.is_object() || !animation.contains("channels") || !animation["channels"].is_array()) continue;
+    for (Json& channel : animation["channels"]) {
+      const bool has_target = channel.is_object() && channel.contains("target") && channel["target"].is_object();
+      if (!has_target || channel["target"].contains("node")) continue;
+      channel["target"]["node"] = -1;
+      changed = true;
+    }
+  }
+  return changed;
+}
+
 std::set<size_t> hide_broken_cameras(Json& root) {
   std::set<size_t> broken;
   const auto cameras = root.find("cameras");

@@ -26,6 +26,8 @@ bool mend_numbers(nlohmann::json& root);
 bool hide_empty_primitives(nlohmann::json& root);
 // Spot lights without angles have the default ones.
 bool mend_spots(nlohmann::json& root);
+// Channels that pointers target have no node, which tinygltf would drop them for: they name node -1.
+bool mend_targets(nlohmann::json& root);
 // Cameras of an unknown type, or without what their type wants, become others; returns which.
 std::set<size_t> hide_broken_cameras(nlohmann::json& root);
 

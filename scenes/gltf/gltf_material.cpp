@@ -301,6 +301,7 @@ class MaterialReader {
 std::vector<bool> shown_materials(const File& file, std::span<const PlacedNode> nodes) {
   std::vector<bool> shown(file.model.materials.size(), false);
   for (const PlacedNode& placed : nodes) {
+    if (placed.is_hidden) continue;
     const auto mesh = static_cast<size_t>(file.model.nodes[placed.node].mesh);
     if (mesh >= file.model.meshes.size()) continue;
     for (const tinygltf::Primitive& primitive : file.model.meshes[mesh].primitives) {
@@ -328,16 +329,23 @@ Material read_or_leave_out(const File& file, MaterialReader& reader, size_t inde
 
 }  // namespace
 
-void read_materials(const File& file, std::span<const PlacedNode> nodes, Content& content) {
+std::map<uint32_t, Scattering> read_materials(const File& file, std::span<const PlacedNode> nodes, Content& content) {
   const std::vector<bool> shown = shown_materials(file, nodes);
   MaterialReader reader(file, content);
+  std::map<uint32_t, Scattering> scattering;
   for (size_t i = 0; i < file.model.materials.size(); ++i) {
-    if (shown[i])
-      content.materials.push_back(reader.read(file.model.materials[i], i));
-    else
+    if (!shown[i]) {
       content.materials.push_back(read_or_leave_out(file, reader, i, content));
+      continue;
+    }
+    const tinygltf::Material& source = file.model.materials[i];
+    content.materials.push_back(reader.read(source, i));
+    const std::string user = "material " + content.materials.back().name;
+    if (const auto found = read_scattering(file, source, user, content))
+      scattering.emplace(static_cast<uint32_t>(i), *found);
   }
   reader.warn_of_conversions();
+  return scattering;
 }
 
 }  // namespace sideray::scenes::gltf

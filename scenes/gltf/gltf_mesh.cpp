@@ -35,29 +35,62 @@ std::vector<uint32_t> triangle_list(const std::vector<uint32_t>& corners, int mo
   return triangles;
 }
 
-// Of the triangles that so many corners make.
+// Corner lists of strips and loops as separate lines.
+std::vector<uint32_t> line_list(const std::vector<uint32_t>& corners, int mode) {
+  if (mode == TINYGLTF_MODE_LINE)
+    return {corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(corners.size() / 2 * 2)};
+  std::vector<uint32_t> lines;
+  if (corners.size() < 2) return lines;
+  lines.reserve(2 * corners.size());
+  for (size_t i = 0; i + 1 < corners.size(); ++i) lines.insert(lines.end(), {corners[i], corners[i + 1]});
+  if (mode == TINYGLTF_MODE_LINE_LOOP) lines.insert(lines.end(), {corners.back(), corners.front()});
+  return lines;
+}
+
+// Of what so many corners make.
 size_t most_indices(size_t corners, int mode) {
   return mode == TINYGLTF_MODE_TRIANGLES ? corners : 3 * corners;
+}
+
+struct Primitives {
+  const char* name;
+  size_t corners;  // of each
+};
+Primitives primitives_of(sideray_topology topology) {
+  if (topology == SIDERAY_POINTS) return {"points", 1};
+  if (topology == SIDERAY_LINES) return {"lines", 2};
+  return {"triangles", 3};
+}
+
+sideray_topology topology_of(int mode) {
+  if (mode == TINYGLTF_MODE_POINTS) return SIDERAY_POINTS;
+  return mode < TINYGLTF_MODE_TRIANGLES ? SIDERAY_LINES : SIDERAY_TRIANGLES;
+}
+
+std::vector<uint32_t> primitive_list(const std::vector<uint32_t>& corners, int mode) {
+  if (mode == TINYGLTF_MODE_POINTS) return corners;
+  return mode < TINYGLTF_MODE_TRIANGLES ? line_list(corners, mode) : triangle_list(corners, mode);
 }
 
 bool usable_position(const float* p) {
   return std::all_of(p, p + 3, [](float x) { return std::abs(x) <= static_cast<float>(limits::coordinate); });
 }
 
-// Leaves out triangles at positions that no renderer can draw, and puts those vertices at the origin.
-void drop_broken_triangles(Mesh& mesh, Content& content) {
+// Leaves out what is at positions that no renderer can draw, and puts those vertices at the origin.
+void drop_broken_primitives(Mesh& mesh, Content& content) {
+  const auto [name, corners] = primitives_of(mesh.topology);
   std::vector<uint32_t> kept;
   kept.reserve(mesh.indices.size());
-  for (size_t i = 0; i < mesh.indices.size(); i += 3) {
-    const bool usable = std::all_of(mesh.indices.begin() + static_cast<std::ptrdiff_t>(i),
-                                    mesh.indices.begin() + static_cast<std::ptrdiff_t>(i + 3),
-                                    [&](uint32_t v) { return usable_position(&mesh.positions[3 * size_t{v}]); });
-    if (usable) kept.insert(kept.end(), {mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]});
+  for (auto first = mesh.indices.begin(); first != mesh.indices.end();) {
+    const auto end = first + static_cast<std::ptrdiff_t>(corners);
+    if (std::all_of(first, end, [&](uint32_t v) { return usable_position(&mesh.positions[3 * size_t{v}]); }))
+      kept.insert(kept.end(), first, end);
+    first = end;
   }
   if (kept.size() != mesh.indices.size()) {
-    content.warnings.push_back(fmt::format("mesh {}: {} of {} triangles have positions that are not finite; left out",
-                                           mesh.name, (mesh.indices.size() - kept.size()) / 3,
-                                           mesh.indices.size() / 3));
+    content.warnings.push_back(fmt::format("mesh {}: {} of {} {} have positions that are not finite; left out",
+                                           mesh.name, (mesh.indices.size() - kept.size()) / corners,
+                                           mesh.indices.size() / corners, name));
     mesh.indices = std::move(kept);
   }
   for (size_t i = 0; i + 2 < mesh.positions.size(); i += 3) {
@@ -114,16 +147,26 @@ bool lacks_direction(const File& file, const tinygltf::Primitive& primitive, con
          materials[static_cast<size_t>(primitive.material)].extensions.contains("KHR_materials_anisotropy");
 }
 
+void warn_of_translucency(const File& file, const tinygltf::Primitive& primitive, const Mesh& mesh, Content& content) {
+  const auto index = static_cast<size_t>(primitive.material);
+  if (primitive.material < 0 || index >= file.model.materials.size()) return;
+  const tinygltf::Material& material = file.model.materials[index];
+  if (material.alphaMode != "BLEND" && !material.extensions.contains("KHR_materials_transmission")) return;
+  content.warnings.push_back(fmt::format("mesh {}: its material is translucent, and its {} are drawn opaque", mesh.name,
+                                         primitives_of(mesh.topology).name));
+}
+
 }  // namespace
 
 Mesh read_primitive(const File& file, const tinygltf::Primitive& primitive, const std::string& name, Content& content) {
   Mesh mesh;
   mesh.name = name;
   const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
-  if (mode < TINYGLTF_MODE_TRIANGLES || mode > TINYGLTF_MODE_TRIANGLE_FAN) {
-    content.warnings.push_back(fmt::format("mesh {}: points and lines are not drawn", name));
+  if (mode > TINYGLTF_MODE_TRIANGLE_FAN) {
+    content.warnings.push_back(fmt::format("mesh {}: its mode {} is unknown; left out", name, mode));
     return mesh;
   }
+  mesh.topology = topology_of(mode);
   const auto position = primitive.attributes.find("POSITION");
   if (position == primitive.attributes.end()) {
     content.warnings.push_back(fmt::format("mesh {}: it has no vertices; left out", name));
@@ -139,16 +182,20 @@ Mesh read_primitive(const File& file, const tinygltf::Primitive& primitive, cons
     corners.resize(vertices);
     for (size_t i = 0; i < vertices; ++i) corners[i] = static_cast<uint32_t>(i);
   }
-  file.budget.take(most_indices(corners.size(), mode) * sizeof(uint32_t), fmt::format("mesh {}, triangles", name));
-  mesh.indices = triangle_list(corners, mode);
+  file.budget.take(most_indices(corners.size(), mode) * sizeof(uint32_t),
+                   fmt::format("mesh {}, {}", name, primitives_of(mesh.topology).name));
+  mesh.indices = primitive_list(corners, mode);
   read_attributes(file, primitive, vertices, mesh, content);
-  drop_broken_triangles(mesh, content);
-  if (lacks_direction(file, primitive, mesh))
+  drop_broken_primitives(mesh, content);
+  if (mesh.topology != SIDERAY_TRIANGLES)
+    warn_of_translucency(file, primitive, mesh, content);
+  else if (lacks_direction(file, primitive, mesh))
     content.warnings.push_back(
         fmt::format("mesh {}: its material is anisotropic, and it has neither TANGENT nor TEXCOORD_0 that say which "
                     "way; it is drawn without",
                     name));
-  if (mesh.indices.empty()) content.warnings.push_back(fmt::format("mesh {}: it has no triangles; left out", name));
+  if (mesh.indices.empty()) content.warnings.push_back(fmt::format("mesh {}: it has no {}; left out", name,
+                                                                    primitives_of(mesh.topology).name));
   return mesh;
 }
 

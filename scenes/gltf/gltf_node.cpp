@@ -5,7 +5,7 @@
 
 #include "elementary/functions.h"
 #include "scenes/base/limits.h"
-#include "scenes/gltf/glb_instances.h"
+#include "scenes/glb/glb_instances.h"
 #include "scenes/gltf/gltf.h"
 
 namespace sideray::scenes::gltf {
@@ -43,9 +43,20 @@ Placement placement_of(const File& file, size_t index, Content& content) {
   return placement;
 }
 
+// KHR_node_visibility.
+bool is_hidden(const File& file, size_t index) {
+  const tinygltf::Value* e = extension(file.model.nodes[index].extensions, "KHR_node_visibility");
+  if (e == nullptr || !e->Has("visible")) return false;
+  const tinygltf::Value& visible = e->Get("visible");
+  if (!visible.IsBool())
+    refuse("cannot read {}: visible of node {} is not true or false; correct it", file.path, index);
+  return !visible.Get<bool>();
+}
+
 RigNode rig_node(const File& file, size_t index, int parent, Content& content) {
   RigNode node;
   node.parent = parent;
+  node.is_hidden = is_hidden(file, index);
   const std::vector<double>& matrix = file.model.nodes[index].matrix;
   if (matrix.size() == 16) {
     for (int i = 0; i < 16; ++i)
@@ -119,7 +130,7 @@ class ObjectReader {
 
   void read(const PlacedNode& placed) {
     const tinygltf::Node& node = file_.model.nodes[placed.node];
-    if (node.mesh < 0) return;
+    if (node.mesh < 0 || placed.is_hidden) return;
     const std::string name = node_name(file_, placed.node);
     const size_t mesh = checked_index(file_, node.mesh, file_.model.meshes.size(), "mesh", "node " + name);
     const auto& primitives = file_.model.meshes[mesh].primitives;
@@ -171,6 +182,11 @@ class ObjectReader {
       Object object;
       object.name = name, object.mesh = index, object.material = material;
       set_transform(object, glm::dmat4(1.0));
+      if (rig_.nodes[weights.node].blinks)
+        rig_.objects.push_back({.index = static_cast<uint32_t>(content_.objects.size()),
+                                .node = weights.node,
+                                .node_from_it = glm::dmat4(1.0),
+                                .is_in_world = true});
       push(std::move(object), any_place);
     }
   }
@@ -364,12 +380,12 @@ std::vector<uint32_t> read_objects(const File& file, std::span<PlacedNode> nodes
 }
 
 // The mean scale of an object's node decides.
-void scale_thickness(Content& content) {
+std::vector<ScaledMaterial> scale_thickness(const std::set<uint32_t>& thickness_varies, Content& content) {
   std::map<std::pair<uint32_t, float>, uint32_t> scaled;
   std::map<uint32_t, float> first_scale;
   for (Object& object : content.objects) {
-    if (!(content.materials[object.material].desc.thickness > 0.0f)) continue;
     const uint32_t source = object.material;
+    if (!(content.materials[source].desc.thickness > 0.0f) && !thickness_varies.contains(source)) continue;
     const double* m = object.world_from_object;
     const glm::dmat3 linear(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8]);
     auto scale = static_cast<float>(elementary::cbrt(std::abs(glm::determinant(linear))));
@@ -384,7 +400,14 @@ void scale_thickness(Content& content) {
     }
     object.material = found->second;
   }
-  for (const auto& [material, scale] : first_scale) content.materials[material].desc.thickness *= scale;
+  std::vector<ScaledMaterial> result;
+  for (const auto& [material, scale] : first_scale) {
+    content.materials[material].desc.thickness *= scale;
+    result.push_back({material, material, scale});
+  }
+  for (const auto& [from, material] : scaled)
+    if (material != from.first) result.push_back({from.first, material, from.second});
+  return result;
 }
 
 }  // namespace sideray::scenes::gltf

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "elementary/functions.h"
 #include "scenes/base/limits.h"
 
 namespace sideray::scenes::gltf {
@@ -28,6 +27,16 @@ std::vector<uint8_t> data_uri_bytes(const std::string& uri) {
   const std::string known = "data:application/octet-stream" + uri.substr(at);
   tinygltf::DecodeDataURI(&bytes, media_type, known, 0, false);
   return bytes;
+}
+
+bool is_ktx(std::span<const uint8_t> bytes) {
+  static constexpr uint8_t mark[] = {0xab, 'K', 'T', 'X', ' '};
+  return bytes.size() > std::size(mark) && std::equal(std::begin(mark), std::end(mark), bytes.begin());
+}
+
+// Neither Debian nor a package registry has a library that decodes it; docs/gltf.md says what the command needs.
+std::string ktx_remedy(const std::string& path) {
+  return fmt::format("convert it by `npx @gltf-transform/cli ktxdecompress {} decoded.glb` (docs/gltf.md, KTX2)", path);
 }
 
 }  // namespace
@@ -67,26 +76,33 @@ size_t TextureReader::image_of(const tinygltf::Texture& texture, const std::stri
   if (const auto* e = extension(texture.extensions, "EXT_texture_webp")) {
     image = static_cast<int>(std::clamp(number(file_, *e, "source", -1.0), -1.0, 2e9));
   }
+  if (const auto* e = extension(texture.extensions, "KHR_texture_basisu"); e != nullptr && image < 0) {
+    const int compressed = static_cast<int>(std::clamp(number(file_, *e, "source", -1.0), -1.0, 2e9));
+    const size_t index = checked_index(file_, compressed, file_.model.images.size(), "image", user);
+    refuse("cannot read {}: it is KTX2, which no decoder is built in for, and {} uses it; {}", name_of_image(index),
+           user, ktx_remedy(file_.path));
+  }
   if (image < 0) {
     refuse("cannot read {}: {} uses a texture without a PNG, JPEG or WebP image; use a decoded copy", file_.path, user);
   }
   return checked_index(file_, image, file_.model.images.size(), "image", user);
 }
 
-// KHR_texture_transform: scale, then turn counter-clockwise as seen (v points down), then move.
+TextureTransform read_transform(const File& file, const tinygltf::Value& e) {
+  const std::vector<double> offset = numbers(file, e, "offset", {0, 0}), scale = numbers(file, e, "scale", {1, 1});
+  return {{offset[0], offset[1]}, {scale[0], scale[1]}, number(file, e, "rotation", 0.0)};
+}
+
 void TextureReader::transform(const tinygltf::ExtensionMap& extensions, const std::string& user, sideray_texture_slot& slot,
                               int& uv_set) const {
   const tinygltf::Value* e = extension(extensions, "KHR_texture_transform");
   if (e == nullptr) return;
-  const std::vector<double> offset = numbers(file_, *e, "offset", {0, 0});
-  const std::vector<double> scale = numbers(file_, *e, "scale", {1, 1});
-  const double rotation = number(file_, *e, "rotation", 0.0);
-  const double c = elementary::cos(rotation), s = elementary::sin(rotation);
-  const double texture_from_uv[6] = {c * scale[0], -s * scale[0], s * scale[1], c * scale[1], offset[0], offset[1]};
+  const std::array<double, 6> texture_from_uv = scenes::texture_from_uv(read_transform(file_, *e));
   for (int i = 0; i < 6; ++i) {
-    if (!(std::abs(texture_from_uv[i]) <= limits::coordinate))
+    const double number = texture_from_uv[static_cast<size_t>(i)];
+    if (!(std::abs(number) <= limits::coordinate))
       refuse("cannot read {}: {} has a KHR_texture_transform with numbers beyond 1e15; correct it", file_.path, user);
-    slot.texture_from_uv[i] = static_cast<float>(texture_from_uv[i]);
+    slot.texture_from_uv[i] = static_cast<float>(number);
   }
   uv_set = static_cast<int>(std::clamp(number(file_, *e, "texCoord", uv_set), -1.0, 2e9));
 }
@@ -129,11 +145,19 @@ Decoded TextureReader::pixels(size_t index) const {
     throw Error(SIDERAY_INVALID_ARGUMENT, broken->second);
   const tinygltf::Image& image = file_.model.images[index];
   const bool is_data = image.uri.starts_with("data:");
-  const std::string name = image.uri.empty() || is_data ? image.name : image.uri;
-  const std::string what = fmt::format("image {}{}{} of {}", index, name.empty() ? "" : " ", name, file_.path);
+  const std::string what = name_of_image(index);
   const std::vector<uint8_t> data = is_data ? data_uri_bytes(image.uri) : std::vector<uint8_t>{};
   if (is_data && data.empty()) refuse("cannot read {}: its data URI holds no base64; export it again", what);
-  return decode_image(is_data ? data : image.image, what, &file_.budget);
+  const std::vector<uint8_t>& bytes = is_data ? data : image.image;
+  if (is_ktx(bytes))
+    refuse("cannot read {}: it is KTX2, which no decoder is built in for; {}", what, ktx_remedy(file_.path));
+  return decode_image(bytes, what, &file_.budget);
+}
+
+std::string TextureReader::name_of_image(size_t index) const {
+  const tinygltf::Image& image = file_.model.images[index];
+  const std::string& name = image.uri.empty() || image.uri.starts_with("data:") ? image.name : image.uri;
+  return fmt::format("image {}{}{} of {}", index, name.empty() ? "" : " ", name, file_.path);
 }
 
 uint32_t TextureReader::add(Texture texture) {

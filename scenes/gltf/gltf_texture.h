@@ -28,6 +28,9 @@ struct TextureSource {
   std::string name;
 };
 
+// The values of a KHR_texture_transform.
+TextureTransform read_transform(const File& file, const tinygltf::Value& e);
+
 class TextureReader {
  public:
   TextureReader(const File& file, Content& content) : file_(file), content_(content) {}
@@ -41,6 +44,7 @@ class TextureReader {
   uint32_t add(Texture texture);
 
  private:
+  std::string name_of_image(size_t index) const;
   size_t image_of(const tinygltf::Texture& texture, const std::string& user) const;
   void transform(const tinygltf::ExtensionMap& extensions, const std::string& user, sideray_texture_slot& slot,
                  int& uv_set) const;

@@ -5,6 +5,7 @@
 
 #include "scenes/base/limits.h"
 #include "scenes/gltf/gltf.h"
+#include "scenes/gltf/gltf_pointer.h"
 
 // Cameras and lights: what nodes carry besides meshes.
 namespace sideray::scenes::gltf {
@@ -93,7 +94,7 @@ struct LightReader {
       refuse("cannot read {}: outerConeAngle of light {} is 0; give more", file.path, name);
     warnings.push_back(
         fmt::format("light {}: innerConeAngle is not below outerConeAngle; the cone has a hard edge", name));
-    light.inner_cone = 0.9999f * light.outer_cone;
+    light.inner_cone = inner_cone_of(spot.innerConeAngle, light.outer_cone);
   }
 
   sideray_light read(const tinygltf::Light& source, const glm::dmat4& world_from_node) const {
@@ -201,7 +202,8 @@ Attached attached(size_t index, const PlacedNode& placed, std::span<const Placed
 
 }  // namespace
 
-void read_cameras(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content) {
+std::vector<ReadThing> read_cameras(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content) {
+  std::vector<ReadThing> read;
   for (const PlacedNode& placed : nodes) {
     const tinygltf::Node& node = file.model.nodes[placed.node];
     if (node.camera < 0) continue;
@@ -218,16 +220,20 @@ void read_cameras(const File& file, std::span<const PlacedNode> nodes, Rig& rig,
       content.warnings.push_back(fmt::format("{}; the camera is left out", reason_of(error, file)));
       continue;
     }
-    if (placed.moves) rig.cameras.push_back(attached(content.cameras.size(), placed, nodes));
+    const Attached on_node = attached(content.cameras.size(), placed, nodes);
+    if (placed.moves) rig.cameras.push_back(on_node);
+    read.push_back({static_cast<size_t>(node.camera), on_node.node, on_node.index});
     content.cameras.push_back(std::move(camera));
   }
+  return read;
 }
 
-void read_lights(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content) {
+std::vector<ReadThing> read_lights(const File& file, std::span<const PlacedNode> nodes, Rig& rig, Content& content) {
+  std::vector<ReadThing> read;
   for (const PlacedNode& placed : nodes) {
     const tinygltf::Node& node = file.model.nodes[placed.node];
     const tinygltf::Value* e = extension(node.extensions, "KHR_lights_punctual");
-    if (e == nullptr) continue;
+    if (e == nullptr || placed.is_hidden) continue;
     const auto index = static_cast<int>(std::clamp(number(file, *e, "light", -1.0), -1.0, 2e9));
     const auto& lights = file.model.lights;
     const tinygltf::Light& source =
@@ -240,7 +246,9 @@ void read_lights(const File& file, std::span<const PlacedNode> nodes, Rig& rig, 
       continue;
     }
     const LightReader reader{file, name, content.warnings};
-    if (placed.moves) rig.lights.push_back(attached(content.lights.size(), placed, nodes));
+    const Attached on_node = attached(content.lights.size(), placed, nodes);
+    if (placed.moves) rig.lights.push_back(on_node);
+    read.push_back({static_cast<size_t>(index), on_node.node, on_node.index});
     content.lights.push_back({node.name, reader.read(source, rigid(file, placed))});
   }
   make_names_unique(content.lights);
@@ -249,7 +257,9 @@ void read_lights(const File& file, std::span<const PlacedNode> nodes, Rig& rig, 
         fmt::format("lights: the first {} of {} are used", limits::lights, content.lights.size()));
     content.lights.resize(limits::lights);
     std::erase_if(rig.lights, [](const Attached& a) { return a.index >= limits::lights; });
+    std::erase_if(read, [](const ReadThing& light) { return light.of_content >= limits::lights; });
   }
+  return read;
 }
 
 void add_default_light(Content& content) {
@@ -266,28 +276,33 @@ Content load(const std::string& path, const LoadOptions& options) {
   content.hash = file.hash;
   content.warnings = std::move(file.warnings);
   content.extensions = file.model.extensionsUsed;
+  apply_variant(file, options.variant, content);
   const auto rig = std::make_shared<Rig>();
   std::vector<PlacedNode> nodes = place_nodes(file, *rig, content);
-  read_animations(file, nodes, options.animation, *rig, content);
+  const std::vector<AnimatedValue> values = read_animations(file, nodes, options.animation, *rig, content);
   const std::vector<glm::dmat4> world = rig->world_from_nodes(options.time_s);
   for (size_t i = 0; i < nodes.size(); ++i) {
     nodes[i].world_from_node = world[i];
     nodes[i].moves = rig->nodes[i].moves;
+    nodes[i].is_hidden = rig->is_always_hidden(static_cast<uint32_t>(i));
   }
-  read_materials(file, nodes, content);
+  const std::map<uint32_t, Scattering> scattering = read_materials(file, nodes, content);
   warn_of_unused_images(file, content);
   const std::vector<uint32_t> places = read_objects(file, nodes, *rig, content);
-  read_cameras(file, nodes, *rig, content);
-  read_lights(file, nodes, *rig, content);
+  ReadThings read;
+  read.cameras = read_cameras(file, nodes, *rig, content);
+  read.lights = read_lights(file, nodes, *rig, content);
   if (content.lights.empty() && options.default_light) add_default_light(content);
   read_node_extras(file, nodes, content);
   order_objects(places, *rig, content);
-  scale_thickness(content);
+  read.materials = scale_thickness(varying_thickness(values), content);
+  show_scattering(scattering, read.materials, content);
+  animate_values(file, values, read, *rig, content);
   if (content.cameras.empty()) content.defaulted.emplace_back("camera: the file has none; the whole scene is framed");
   content.rig = rig;
   pose(content, options.time_s);
   // A skin that nothing moves is applied once for all.
-  if (rig->channels.empty()) content.rig.reset();
+  if (rig->channels.empty() && values.empty()) content.rig.reset();
   return content;
 }
 

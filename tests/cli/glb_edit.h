@@ -7,6 +7,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "cli/program.h"
 
@@ -28,6 +29,32 @@ inline void edit_glb(const std::string& path, const std::function<void(nlohmann:
   };
   std::ofstream(path, std::ios::binary) << bytes.substr(0, 8) << number(head + chunk_head + json.size() + rest.size())
                                         << number(json.size()) << "JSON" << json << rest;
+}
+
+inline std::string base64(const std::vector<float>& values) {
+  static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  const auto* bytes = reinterpret_cast<const unsigned char*>(values.data());
+  const size_t size = values.size() * sizeof(float);
+  std::string text;
+  for (size_t i = 0; i < size; i += 3) {
+    uint32_t word = 0;
+    for (size_t k = 0; k < 3; ++k) word = word << 8 | (i + k < size ? bytes[i + k] : 0u);
+    for (size_t k = 0; k < 4; ++k) text += i + k > size ? '=' : digits[word >> (18 - 6 * k) & 63];
+  }
+  return text;
+}
+
+// The accessor of numbers that become a buffer of their own.
+inline int accessor_of(nlohmann::json& gltf, const std::vector<float>& values, size_t components) {
+  const char* types[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
+  const size_t bytes = values.size() * sizeof(float);
+  gltf["buffers"].push_back({{"byteLength", bytes}, {"uri", "data:application/octet-stream;base64," + base64(values)}});
+  gltf["bufferViews"].push_back({{"buffer", gltf["buffers"].size() - 1}, {"byteLength", bytes}});
+  gltf["accessors"].push_back({{"bufferView", gltf["bufferViews"].size() - 1},
+                               {"componentType", 5126},
+                               {"type", types[components]},
+                               {"count", values.size() / components}});
+  return static_cast<int>(gltf["accessors"].size() - 1);
 }
 
 inline nlohmann::json& node_named(nlohmann::json& gltf, const std::string& name) {

@@ -40,6 +40,8 @@ class Document {
     for (uint32_t i = 0; i < meshes; ++i) add_mesh();
     add_nodes();
     if (random_.one_in(3)) add_animation();
+    if (random_.one_in(4)) add_pointer();
+    if (random_.one_in(6)) add_variants();
     const std::string data = "data:application/octet-stream;base64," + base64(bytes_);
     json_["buffers"] = {{{"byteLength", bytes_.size()}, {"uri", data}}};
     return std::move(json_);
@@ -154,6 +156,9 @@ class Document {
       film["iridescenceThicknessMaximum"] = random_.between(0, 1500);
       if (random_.one_in(2)) film["iridescenceThicknessTexture"] = texture(false);
     }
+    if (random_.one_in(9))
+      extensions["KHR_materials_volume_scatter"] = {{"multiscatterColorFactor", {random_.between(0, 1), 0.5, 1}},
+                                                    {"scatterAnisotropy", random_.between(-0.9, 0.9)}};
     if (random_.one_in(5)) extensions["KHR_materials_ior"] = {{"ior", random_.between(1, 2.5)}};
     if (random_.one_in(9)) extensions["KHR_materials_unlit"] = Json::object();
   }
@@ -182,7 +187,7 @@ class Document {
     }
     if (random_.one_in(3)) add_joints(attributes, vertices);
     if (random_.one_in(2)) add_indices(result, vertices);
-    if (random_.one_in(3)) result["mode"] = random_.pick({1, 4, 5, 6});
+    if (random_.one_in(3)) result["mode"] = random_.pick({0, 1, 2, 3, 4, 5, 6});
     if (json_.contains("materials") && random_.one_in(2))
       result["material"] = random_.below(static_cast<uint32_t>(json_["materials"].size()));
     for (uint32_t i = 0; i < targets; ++i)
@@ -287,6 +292,47 @@ class Document {
     animation["samplers"].push_back(sampler);
     animation["channels"].push_back(channel);
     json_["animations"].push_back(animation);
+  }
+
+  // Lets a channel change what it points at, where that is there.
+  void add_pointer() {
+    struct Pointed {
+      const char* pointer;
+      uint32_t numbers;
+    };
+    static constexpr Pointed all[] = {
+        {"/materials/0/pbrMetallicRoughness/baseColorFactor", 4},
+        {"/materials/0/emissiveFactor", 3},
+        {"/materials/0/extensions/KHR_materials_transmission/transmissionFactor", 1},
+        {"/materials/0/extensions/KHR_materials_volume/thicknessFactor", 1},
+        {"/materials/0/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform/scale", 2},
+        {"/extensions/KHR_lights_punctual/lights/0/intensity", 1},
+        {"/extensions/KHR_lights_punctual/lights/0/spot/outerConeAngle", 1},
+        {"/cameras/0/perspective/yfov", 1},
+        {"/nodes/0/extensions/KHR_node_visibility/visible", 1},
+        {"/nodes/0/translation", 3}};
+    const Pointed& pointed = all[random_.below(std::size(all))];
+    const std::string owner = std::string(pointed.pointer).substr(0, std::string(pointed.pointer).find("/0/") + 2);
+    if (!json_.contains(Json::json_pointer(owner))) return;
+    const size_t keys = 1 + random_.below(3);
+    std::vector<float> times(keys);
+    for (size_t i = 0; i < keys; ++i) times[i] = static_cast<float>(i);
+    const char* types[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
+    const size_t input = add(times, single, "SCALAR", keys);
+    const size_t output = add(floats(pointed.numbers * keys, -1, 3), single, types[pointed.numbers], keys);
+    const Json target = {{"path", "pointer"},
+                         {"extensions", {{"KHR_animation_pointer", {{"pointer", pointed.pointer}}}}}};
+    Json animation;
+    animation["samplers"].push_back({{"input", input}, {"output", output}});
+    animation["channels"].push_back({{"sampler", 0}, {"target", target}});
+    json_["animations"].push_back(animation);
+    if (random_.one_in(2)) json_["nodes"][0]["extensions"]["KHR_node_visibility"]["visible"] = random_.one_in(2);
+  }
+
+  void add_variants() {
+    json_["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "a"}}, {{"name", "b"}}};
+    json_["meshes"][0]["primitives"][0]["extensions"]["KHR_materials_variants"]["mappings"] = {
+        {{"material", random_.below(2)}, {"variants", {random_.below(2)}}}};
   }
 
   Random& random_;

@@ -168,6 +168,40 @@ def packed(name):
     scene.write(name)
 
 
+def pointed(name):
+    """Values that channels point at, variants of materials, scattering, lines and points."""
+    scene = Scene()
+    scene.extensions("KHR_animation_pointer", "KHR_node_visibility", "KHR_materials_variants", "KHR_materials_volume_scatter",
+                     "KHR_lights_punctual")
+    scene.json["materials"] = [
+        {"name": "milk", "extensions": {
+            "KHR_materials_transmission": {"transmissionFactor": 0.5},
+            "KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 0.5, "attenuationColor": [0.5, 0.4, 0.3]},
+            "KHR_materials_volume_scatter": {"multiscatterColorFactor": [0.9, 0.8, 0.7], "scatterAnisotropy": 0.2}}},
+        {"name": "ink"}]
+    scene.json["extensions"] = {"KHR_materials_variants": {"variants": [{"name": "inked"}]},
+                                "KHR_lights_punctual": {"lights": [{"type": "spot", "spot": {"outerConeAngle": 0.5}}]}}
+    scene.primitive["material"] = 0
+    scene.primitive["extensions"] = {"KHR_materials_variants": {"mappings": [{"material": 1, "variants": [0]}]}}
+    scene.json["meshes"][0]["primitives"] += [{"attributes": scene.attributes, "mode": mode} for mode in range(4)]
+    scene.json["nodes"] = [{"mesh": 0, "extensions": {"KHR_node_visibility": {"visible": True}}}, {"camera": 0},
+                           {"extensions": {"KHR_lights_punctual": {"light": 0}, "KHR_node_visibility": {"visible": False}}}]
+    scene.json["scenes"] = [{"nodes": [0, 1, 2]}]
+    scene.json["cameras"] = [{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]
+    times = scene.add([0, 1], FLOAT, "SCALAR", min=[0], max=[1])
+    outputs = {1: scene.add([0.25, 1], FLOAT, "SCALAR"), 3: scene.add([0, 0.5, 1, 1, 0, 0], FLOAT, "VEC3"),
+               4: scene.add([0, 0, 0, 1, 1, 1, 1, 1], FLOAT, "VEC4"), 0: scene.add([1, 0], U8, "SCALAR")}
+    pointers = [("/materials/1/pbrMetallicRoughness/baseColorFactor", 4), ("/materials/0/emissiveFactor", 3),
+                ("/materials/0/extensions/KHR_materials_volume/thicknessFactor", 1), ("/nodes/0/translation", 3),
+                ("/extensions/KHR_lights_punctual/lights/0/spot/innerConeAngle", 1), ("/cameras/0/perspective/yfov", 1),
+                ("/nodes/2/extensions/KHR_node_visibility/visible", 0)]
+    scene.json["animations"] = [{
+        "samplers": [{"input": times, "output": outputs[count]} for _, count in pointers],
+        "channels": [{"sampler": i, "target": {"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": pointer}}}}
+                     for i, (pointer, _) in enumerate(pointers)]}]
+    scene.write(name)
+
+
 if __name__ == "__main__":
     Scene().write("square.gltf")
     Scene().write("square.glb")
@@ -177,3 +211,4 @@ if __name__ == "__main__":
     skinned("skinned.glb")
     placed("placed.gltf")
     packed("packed.glb")
+    pointed("pointed.gltf")

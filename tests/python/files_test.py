@@ -1,6 +1,9 @@
 """Files: cameras, animations, warnings, pictures, comparisons."""
 
+import base64
+import json
 import os
+import struct
 import subprocess
 
 import numpy as np
@@ -109,6 +112,55 @@ def test_files_that_are_not_there_or_broken(tmp_path):
         sideray.load(broken)
     with pytest.raises(sideray.Error, match="no animation walk"):
         sideray.load("panes", animation="walk")
+
+
+def glowing_square(path, *, animated):
+    """A square that fills the picture. Its glow changes at 1 s where it is animated, else by its variants."""
+    corners = struct.pack("<12f", -9, -9, 0, 9, -9, 0, 9, 9, 0, -9, 9, 0)
+    keys = struct.pack("<3f9f", 0, 1, 9, 0, 0, 0, 1, 1, 1, 1, 1, 1)
+    data = base64.b64encode(corners + struct.pack("<6I", 0, 1, 2, 0, 2, 3) + keys).decode()
+    views = [(0, 48), (48, 24), (72, 12), (84, 36)]
+    accessors = [(4, "VEC3", 5126), (6, "SCALAR", 5125), (3, "SCALAR", 5126), (3, "VEC3", 5126)]
+    black = {"pbrMetallicRoughness": {"baseColorFactor": [0, 0, 0, 1]}, "emissiveFactor": [0, 0, 0]}
+    primitive = {"attributes": {"POSITION": 0}, "indices": 1, "material": 0}
+    document = {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
+        "nodes": [{"mesh": 0}, {"camera": 0, "translation": [0, 0, 5]}], "meshes": [{"primitives": [primitive]}],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}}],
+        "materials": [black, {**black, "emissiveFactor": [1, 1, 1]}],
+        "buffers": [{"byteLength": 120, "uri": "data:application/octet-stream;base64," + data}],
+        "bufferViews": [{"buffer": 0, "byteOffset": at, "byteLength": size} for at, size in views],
+        "accessors": [{"bufferView": i, "count": count, "type": kind, "componentType": component}
+                      for i, (count, kind, component) in enumerate(accessors)]}
+    if animated:
+        pointer = {"KHR_animation_pointer": {"pointer": "/materials/0/emissiveFactor"}}
+        document["animations"] = [{"samplers": [{"input": 2, "output": 3, "interpolation": "STEP"}],
+                                   "channels": [{"sampler": 0, "target": {"path": "pointer", "extensions": pointer}}]}]
+    else:
+        document["extensions"] = {"KHR_materials_variants": {"variants": [{"name": "on"}]}}
+        primitive["extensions"] = {"KHR_materials_variants": {"mappings": [{"material": 1, "variants": [0]}]}}
+    path.write_text(json.dumps(document))
+    return path
+
+
+def test_variants_of_materials(renderer, tmp_path):
+    path = glowing_square(tmp_path / "square.gltf", animated=False)
+    scene = sideray.load(path, variant="on")
+    assert scene.variants == ["on"] and sideray.load("panes").variants == []
+    assert renderer.render(scene, (32, 18)).rgb[9, 16, 0] > renderer.render(sideray.load(path), (32, 18)).rgb[9, 16, 0] + 0.9
+    with pytest.raises(sideray.Error, match="no variant off: the scene has others; choose one of on"):
+        sideray.load(path, variant="off")
+
+
+def test_time_changes_what_pointers_name(renderer, tmp_path):
+    scene = sideray.load(glowing_square(tmp_path / "square.gltf", animated=True))
+    dark = renderer.render(scene, (32, 18)).rgb
+    scene.time = 2.0
+    assert renderer.render(scene, (32, 18)).rgb[9, 16, 0] > dark[9, 16, 0] + 0.9
+    scene.time = 0.0
+    assert np.array_equal(renderer.render(scene, (32, 18)).rgb, dark)
+    frames = [frame.rgb[9, 16, 0] for frame in renderer.frames(scene, range(3), (32, 18), fps=1, taa=False)]
+    assert frames[1] > frames[0] + 0.9 and frames[2] > frames[0] + 0.9
 
 
 def test_arrays_join_a_file(renderer):

@@ -403,10 +403,31 @@ const BrokenMaterial broken_materials[] = {
      {"material m", "image 7"}},
     {"TextureOfUnknownKind",
      [](SmallGltf& g) {
-       g.json["textures"] = {{{"extensions", {{"KHR_texture_basisu", {{"source", 0}}}}}}};
+       g.json["textures"] = {{{"extensions", {{"EXT_texture_avif", {{"source", 0}}}}}}};
        return json{{"emissiveTexture", {{"index", 0}}}};
      },
      {"material m", "without a PNG, JPEG or WebP image"}},
+    {"Ktx2",
+     [](SmallGltf& g) {
+       g.json["images"] = {{{"name", "bark"}, {"uri", "data:image/ktx2;base64,q0tUWCAyMLsNChoK"}}};
+       g.json["textures"] = {{{"extensions", {{"KHR_texture_basisu", {{"source", 0}}}}}}};
+       g.json["extensionsRequired"] = {"KHR_texture_basisu"};
+       return json{{"emissiveTexture", {{"index", 0}}}};
+     },
+     {"image 0 bark of ", "scene.gltf: it is KTX2", "material m", "npx @gltf-transform/cli ktxdecompress "}},
+    {"Ktx2WithoutExtension",
+     [](SmallGltf& g) {
+       g.json["images"] = {{{"name", "bark"}, {"uri", "data:image/ktx2;base64,q0tUWCAyMLsNChoK"}}};
+       g.json["textures"] = {{{"source", 0}}};
+       return json{{"emissiveTexture", {{"index", 0}}}};
+     },
+     {"image 0 bark of ", "scene.gltf: it is KTX2", "npx @gltf-transform/cli ktxdecompress "}},
+    {"Ktx2ImageMissing",
+     [](SmallGltf& g) {
+       g.json["textures"] = {{{"extensions", {{"KHR_texture_basisu", {{"source", 4}}}}}}};
+       return json{{"emissiveTexture", {{"index", 0}}}};
+     },
+     {"material m", "image 4"}},
     {"CoatTextureMissing",
      [](SmallGltf&) {
        return with_extension("KHR_materials_clearcoat", {{"clearcoatTexture", {{"index", 4}}}});

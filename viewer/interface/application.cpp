@@ -28,6 +28,7 @@ SceneSource source_of(const Arguments& arguments) {
   SceneSource source;
   source.scene = arguments.scene;
   source.animation = arguments.text("animation");
+  source.variant = arguments.text("variant");
   source.default_light = arguments.text("default-light", "on") == "on";
   source.surroundings = {arguments.text("env", "sky"), static_cast<float>(arguments.number("env-scale", 1)),
                          static_cast<float>(arguments.number("env-rotate", 0))};
@@ -79,7 +80,7 @@ void Application::drop(const std::vector<std::string>& paths) {
     if (is_environment(path))
       source.surroundings.name = path;
     else
-      source.scene = path, source.animation.clear();
+      source.scene = path, source.animation.clear(), source.variant.clear();
     loader_.load(source);
   }
 }

@@ -48,7 +48,8 @@ std::vector<std::string> words_of(const View& view, Way way, const Navigation& n
   words.insert(words.end(), {"--size", fmt::format("{}x{}", view.width, view.height)});
   if (view.time_s > 0) words.insert(words.end(), {"--time", fmt::format("{}", view.time_s)});
   if (source.surroundings.name != "sky") words.insert(words.end(), {"--env", source.surroundings.name});
-  for (const char* name : {"env-scale", "env-rotate", "animation", "default-light", "gl", "device", "threads"})
+  for (const char* name :
+       {"env-scale", "env-rotate", "animation", "variant", "default-light", "gl", "device", "threads"})
     if (const std::string text = of_window.text(name); !text.empty()) words.insert(words.end(), {std::string("--") + name, text});
   add_options(words, way, view.options);
   return words;

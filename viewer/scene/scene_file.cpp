@@ -18,7 +18,9 @@ double radius_of(const scenes::Content& content) {
 SceneFile::SceneFile(const SceneSource& source)
     : source_(source),
       seen_(file_times()),
-      content_(scenes::load(source.scene, {.animation = source.animation, .default_light = source.default_light})),
+      content_(scenes::load(source.scene, {.animation = source.animation,
+                                           .variant = source.variant,
+                                           .default_light = source.default_light})),
       scene_(Scene::create().value()),
       radius_(radius_of(content_)) {
   scene_.set_time(0, 0);

@@ -17,6 +17,7 @@ namespace sideray::viewer {
 struct SceneSource {
   std::string scene;          // a .gltf or .glb file, or a built-in scene
   std::string animation;      // "" = the first
+  std::string variant;        // of the materials; "" = none
   bool default_light = true;  // a sun for files without lights
   scenes::Surroundings surroundings;
 };

@@ -1,4 +1,4 @@
-#include "scenes/gltf/glb_limits.h"
+#include "scenes/glb/glb_limits.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "scenes/gltf/glb_instances.h"
+#include "scenes/glb/glb_instances.h"
 
 #include <algorithm>
 #include <bit>

@@ -12,8 +12,8 @@
 #include "scenes/base/limits.h"
 #include "scenes/content/animation.h"
 #include "scenes/content/content.h"
-#include "scenes/gltf/glb_instances.h"
-#include "scenes/gltf/glb_limits.h"
+#include "scenes/glb/glb_instances.h"
+#include "scenes/glb/glb_limits.h"
 #include "scenes/images/images.h"
 
 namespace sideray::scenes {
@@ -128,6 +128,7 @@ class GlbWriter {
     accessor["min"] = {low.x, low.y, low.z};
     accessor["max"] = {high.x, high.y, high.z};
     found->second["attributes"] = std::move(attributes);
+    if (mesh.topology != SIDERAY_TRIANGLES) found->second["mode"] = mesh.topology == SIDERAY_LINES ? 1 : 0;
     found->second["indices"] = add_accessor(mesh.indices.data(), mesh.indices.size(), 1, type_uint);
     return found->second;
   }
