@@ -8,7 +8,7 @@
 
 #include "rt/base/view_rays.h"
 #include "rt/drawing/view_tile.h"
-#include "rt/shading/direct_light.h"
+#include "rt/light/direct_light.h"
 #include "rt/surfaces/surface_batch.h"
 #include "rt/textures/environment_lookup.h"
 

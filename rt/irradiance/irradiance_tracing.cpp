@@ -7,7 +7,7 @@
 #include "model/stopwatch.h"
 #include "rt/base/sampling.h"
 #include "rt/history/still_frames.h"
-#include "rt/irradiance/diffuse_paths.h"
+#include "rt/light/diffuse_paths.h"
 #include "rt/irradiance/irradiance_history.h"
 #include "rt/layers/frame_tiles.h"
 #include "rt/layers/layer_tracer.h"

@@ -1,4 +1,4 @@
-#include "rt/shading/veils.h"
+#include "rt/light/veils.h"
 
 #include <algorithm>
 #include <cmath>
