@@ -20,7 +20,8 @@ using Textures = std::vector<PlannedTexture>;
 // A ray that mirrors is traced for opaque surfaces, for translucent ones before them, and for those beyond the first
 // few once more (rt/shading/hit_shader.cpp).
 constexpr uint64_t rays_a_mirror = 3;
-constexpr uint64_t rays_a_path = rt::most_path_surfaces + 1;
+// A path, and one ray more for what is translucent before the sky.
+constexpr uint64_t rays_a_path = rt::most_path_surfaces + 2;
 
 // A sum with an unbounded term is unbounded.
 uint64_t sum(uint64_t a, uint64_t b) {
@@ -192,7 +193,8 @@ void add_masks(const model::Snapshot& snapshot, const RenderOptions& o, const Fr
   work.rays_ao = plan.masks.ao_rays * (pixels + (plan.masks.denoise ? measured : 0));
 }
 
-// One pixel of four traces a path, which goes on from each of its surfaces and sends a ray to a light there; and a ray to the sky.
+// One pixel of four traces a path, which goes on from each of its surfaces and sends a ray to a light there; and a ray to the sky,
+// which may have to find what is translucent there.
 void add_bounces(const FramePlan& plan, sideray_plan_work& work) {
   const uint64_t paths = uint64_t{(plan.width + 1) / 2} * ((plan.height + 1) / 2);
   work.rays_bounce = sum(work.rays_bounce, paths * (rays_a_path + 1));

@@ -47,6 +47,10 @@ glm::vec3 share_of(glm::vec3 part, glm::vec3 whole) {
 void LightAround::begin(const ShadingScene& scene, const Intersector& intersector, bool shadows) {
   const model::Environment& environment = *scene.snapshot->environment;
   environment_ = environment.black ? nullptr : &environment;
+  scene_ = &scene;
+  intersector_ = &intersector;
+  veiled_ = environment_ && veils_sky(*scene.snapshot);
+  rays_to_veils_ = 0;
   paths_.begin(scene, intersector, shadows, nullptr);
 }
 
@@ -113,9 +117,24 @@ void LightAround::send_paths() {
     Record& r = records_[i];
     r.nearness = nearness_[i];
     r.thrown = radiance_[i];
-    r.sky = environment_ ? environment_specular(*environment_, rays_[i].direction, blur_of_sky) : glm::vec3(0.0f);
-    r.seen_sky = nearness_[i] == 0.0f ? r.sky : glm::vec3(0.0f);
   }
+  if (environment_) see_sky();
+}
+
+// Finds what each path's first direction sees of the sky, by what is translucent before it.
+void LightAround::see_sky() {
+  clear_.clear(), of_clear_.clear();
+  for (uint32_t i = 0; i < records_.size(); ++i) {
+    records_[i].sky = environment_specular(*environment_, rays_[i].direction, blur_of_sky);
+    if (nearness_[i] > 0.0f) continue;
+    records_[i].seen_sky = records_[i].sky;
+    clear_.push_back(rays_[i]);
+    of_clear_.push_back(i);
+  }
+  if (!veiled_ || clear_.empty()) return;
+  veils_.meet(*scene_, *intersector_, clear_, false);
+  rays_to_veils_ += clear_.size();
+  for (size_t k = 0; k < clear_.size(); ++k) records_[of_clear_[k]].seen_sky *= veils_.color(k);
 }
 
 // A path's own distance says little: the mean of those near it counts.

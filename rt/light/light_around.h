@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "rt/light/diffuse_paths.h"
+#include "rt/light/veils.h"
 #include "rt/surfaces/surface_batch.h"
 
 namespace sideray::rt {
@@ -24,7 +25,7 @@ class LightAround {
   std::span<const ArrivingLight> find(const SurfaceBatch& batch, bool matt);
 
   // Traversals since begin().
-  uint64_t rays() const { return paths_.rays; }
+  uint64_t rays() const { return paths_.rays + rays_to_veils_; }
   uint64_t rays_shadow() const { return paths_.rays_shadow; }
 
  private:
@@ -52,14 +53,21 @@ class LightAround {
   size_t sort_into_cells(int coarser);
   void choose_senders();
   void send_paths();
+  void see_sky();
   void find_reaches();
   ArrivingLight mean_about(const Point& point) const;
 
+  const ShadingScene* scene_ = nullptr;
+  const Intersector* intersector_ = nullptr;
   const model::Environment* environment_ = nullptr;  // null: black
+  bool veiled_ = false;  // something translucent is before the sky
   DiffusePaths paths_;
+  Veils veils_;
   std::vector<Point> points_;  // those of a cell one behind the other
   std::vector<Record> records_;
-  std::vector<Ray> rays_;
+  std::vector<Ray> rays_, clear_;      // the latter hit nothing opaque
+  std::vector<uint32_t> of_clear_;
+  uint64_t rays_to_veils_ = 0;
   std::vector<Cone> cones_;
   std::vector<uint32_t> keys_;
   std::vector<glm::vec3> radiance_;

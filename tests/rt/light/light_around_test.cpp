@@ -130,6 +130,22 @@ TEST(LightAround, EndsAtAWall) {
   EXPECT_GT(bright.x, 0.4f);
 }
 
+// The sky through a coloured sheet has its colour.
+TEST(LightAround, SeesTheSkyThroughGlass) {
+  TestScene scene;
+  scene.quad({0, -2, 0}, {50, 0, 0}, {0, 0, 50}, matt(0.5f));
+  sideray_material_desc red = glass();
+  red.base_color[0] = 1.0f, red.base_color[1] = 0.2f, red.base_color[2] = 0.5f;
+  scene.quad({0, 2, 0}, {500, 0, 0}, {0, 0, 500}, red);
+  scene.environment(glm::vec3(1.0f));
+  Hits hits(scene);
+  const glm::vec3 found = mean(hits.shade({0, 0, 0}, {0, -1, 0}, true));
+  EXPECT_GT(found.x, 0.35f);
+  EXPECT_LT(found.x, 0.5f);
+  EXPECT_NEAR(found.y / found.x, 0.2f, 0.01f);
+  EXPECT_NEAR(found.z / found.x, 0.5f, 0.01f);
+}
+
 TEST(LightAround, IsTheSameForTheSameBatch) {
   TestScene scene;
   scene.quad({0, -2, 0}, {50, 0, 0}, {0, 0, 50}, matt(0.5f));
