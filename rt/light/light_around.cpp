@@ -14,7 +14,7 @@ namespace {
 constexpr float cell_width = 2.0f;  // of the smallest cells, in widths of a pixel
 constexpr float least_reach = 4.0f;  // likewise
 constexpr float share_of_distance = 0.5f;
-constexpr size_t points_a_path = 2, few_cells = 64;
+constexpr size_t points_a_path = 4, few_cells = 64;
 constexpr int most_coarser = 10, least_level = -200;
 constexpr uint32_t path_purpose = 72;
 constexpr float blur_of_sky = 0.25f;  // roughness of the lobe that a direction's light is averaged over
@@ -153,24 +153,23 @@ void LightAround::find_reaches() {
 }
 
 // Of the sky, the share of the light of those directions that is seen: where all is open it is one, whichever they are.
-ArrivingLight LightAround::mean_about(const Point& point) const {
-  const PointAround& p = point.around;
+ArrivingLight LightAround::mean_about(const Record& at) const {
   glm::vec3 thrown(0.0f), sky(0.0f), seen_sky(0.0f);
   float weights = 0.0f;
   for (const Record& r : records_) {
-    const glm::vec3 apart = r.position - p.origin;
-    const float across = std::abs(glm::dot(apart, p.normal)) * off_plane;
-    const float off = std::sqrt(glm::dot(apart, apart) + across * across);
-    if (!(off < r.reach)) continue;
-    const float weight = (1.0f - off / r.reach) * likeness(p.normal, r.normal);
+    const float alike = likeness(at.normal, r.normal);
+    if (!(alike > 0.0f)) continue;
+    const glm::vec3 apart = r.position - at.position;
+    const float across = glm::dot(apart, at.normal) * off_plane, off2 = glm::dot(apart, apart) + across * across;
+    if (!(off2 < r.reach * r.reach)) continue;
+    const float weight = (1.0f - std::sqrt(off2) / r.reach) * alike;
     thrown += r.thrown * weight;
     sky += r.sky * weight;
     seen_sky += r.seen_sky * weight;
     weights += weight;
   }
-  if (weights > 0.0f) return {thrown * (1.0f / weights), share_of(seen_sky, sky)};
-  const Record& own = records_[point.record];
-  return {own.thrown, share_of(own.seen_sky, own.sky)};
+  if (!(weights > 0.0f)) return {at.thrown, share_of(at.seen_sky, at.sky)};
+  return {thrown * (1.0f / weights), share_of(seen_sky, sky)};
 }
 
 std::span<const ArrivingLight> LightAround::find(const SurfaceBatch& batch, bool matt) {
@@ -181,7 +180,9 @@ std::span<const ArrivingLight> LightAround::find(const SurfaceBatch& batch, bool
   choose_senders();
   send_paths();
   find_reaches();
-  for (const Point& p : points_) arriving_[p.number] = mean_about(p);
+  means_.clear();
+  for (const Record& r : records_) means_.push_back(mean_about(r));
+  for (const Point& p : points_) arriving_[p.number] = means_[p.record];
   return arriving_;
 }
 

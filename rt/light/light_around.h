@@ -55,7 +55,7 @@ class LightAround {
   void send_paths();
   void see_sky();
   void find_reaches();
-  ArrivingLight mean_about(const Point& point) const;
+  ArrivingLight mean_about(const Record& record) const;
 
   const ShadingScene* scene_ = nullptr;
   const Intersector* intersector_ = nullptr;
@@ -72,7 +72,8 @@ class LightAround {
   std::vector<uint32_t> keys_;
   std::vector<glm::vec3> radiance_;
   std::vector<float> nearness_;
-  std::vector<ArrivingLight> arriving_;
+  std::vector<ArrivingLight> means_;     // about each of records_
+  std::vector<ArrivingLight> arriving_;  // at each point of the batch
 };
 
 }  // namespace sideray::rt
