@@ -173,7 +173,7 @@ TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& sc
                         .tells_rough = request.denoise != 0,
                         .error = request.ray_reuse,
                         .viewer = way_to_viewer(request.view),
-                        .bounces = bounce_seed(request)});
+                        .bounces = request.light_bounces});
   OlderLayers* older = takes_older(request) ? request.older : nullptr;
   TileReach* reach = request.wanted ? request.wanted->reach.get() : nullptr;
   if (reach) reach->fit(request.view, request.width, request.height, request.depth);

@@ -73,7 +73,7 @@ ShaderSource& CompositeTracing::begin_shaders(const LayerRequest& request, Trace
                         .tells_rough = request.resolves && request.denoise,
                         .error = request.ray_reuse,
                         .viewer = way_to_viewer(request.view),
-                        .bounces = bounce_seed(request)});
+                        .bounces = request.light_bounces});
   return shaders_;
 }
 

@@ -44,10 +44,9 @@ glm::vec3 share_of(glm::vec3 part, glm::vec3 whole) {
 
 }  // namespace
 
-void LightAround::begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, uint32_t seed) {
+void LightAround::begin(const ShadingScene& scene, const Intersector& intersector, bool shadows) {
   const model::Environment& environment = *scene.snapshot->environment;
   environment_ = environment.black ? nullptr : &environment;
-  seed_ = random_key({seed, path_purpose});
   scene_ = &scene;
   intersector_ = &intersector;
   veiled_ = environment_ && veils_sky(*scene.snapshot);
@@ -91,29 +90,23 @@ void LightAround::choose_senders() {
     const size_t count = end - first;
     for (size_t i = 0; i < count; ++i)
       points_[first + i].record = static_cast<uint32_t>(records_.size() + i * sent / count);
-    for (uint32_t i = 0; i < sent; ++i) add_record(points_[first + i * count / sent], i);
+    for (size_t i = 0; i < sent; ++i) {
+      const PointAround& p = points_[first + i * count / sent].around;
+      records_.push_back({p.origin, p.normal, p.width, 0.0f, 0.0f, {}, {}, {}});
+      keys_.push_back(random_key({p.key, path_purpose}));
+    }
   }
 }
 
-// The directions of cells beside each other fill the square evenly: they are a lattice's, in steps of powers of one number
-// (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences").
-void LightAround::add_record(const Point& point, uint32_t of_cell) {
-  constexpr glm::uvec2 step_x(3859688306u, 3468523226u), step_y(3117001274u, 2801104767u), step_z(2517223199u, 2262111973u);
-  const glm::uvec3 place(point.cell.place);
-  const glm::uvec3 facing(glm::ivec3(point.cell.facing));
-  const uint32_t key = random_key({seed_, facing.x, facing.y, facing.z, of_cell});
-  const PointAround& p = point.around;
-  Record record{};
-  record.position = p.origin, record.normal = p.normal, record.width = p.width;
-  record.direction = glm::uvec2(key, hash_bits(key)) + place.x * step_x + place.y * step_y + place.z * step_z;
-  records_.push_back(record);
-  keys_.push_back(random_key({key, place.x, place.y, place.z}));
-}
-
+// Records that follow each other lie near each other: their directions are the points of one sequence that fills the square
+// evenly (Roberts 2018, R2), from a random one on.
 void LightAround::send_paths() {
+  constexpr uint32_t step_x = 3242174889u, step_y = 2447445414u;
   rays_.clear(), cones_.clear();
-  for (const Record& r : records_) {
-    const glm::vec2 u(unit_float(r.direction.x), unit_float(r.direction.y));
+  uint32_t x = keys_[0], y = hash_bits(x);
+  for (size_t i = 0; i < records_.size(); ++i) {
+    const Record& r = records_[i];
+    const glm::vec2 u(unit_float(x += step_x), unit_float(y += step_y));
     rays_.push_back({r.position, 0.0f, frame_about(r.normal) * sample_cosine(u), farthest});
     cones_.push_back({r.width, 0.0f});
   }

@@ -18,9 +18,8 @@ namespace sideray::rt {
 
 class LightAround {
  public:
-  // The caller keeps both objects. What paths find in one place depends on nothing but the seed, nearly: it does not flicker
-  // where the camera moves.
-  void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, uint32_t seed);
+  // The caller keeps both objects.
+  void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows);
   // Finds what arrives at the batch's points, with `matt` at those alone that have anything matt. The same batch gets the same
   // bits.
   std::span<const ArrivingLight> find(const SurfaceBatch& batch, bool matt);
@@ -47,14 +46,12 @@ class LightAround {
     glm::vec3 position, normal;
     float width;     // of a pixel there
     float nearness;  // 1 / distance of what the path hit
-    glm::uvec2 direction;  // numbers that it is drawn by, in 2^-32
     float reach;     // as far as what it found is taken for equal
     glm::vec3 thrown, sky, seen_sky;  // what it brought; the sky's light in its direction, and that where nothing is in the way
   };
   void gather(const SurfaceBatch& batch, bool matt);
   size_t sort_into_cells(int coarser);
   void choose_senders();
-  void add_record(const Point& point, uint32_t of_cell);
   void send_paths();
   void see_sky();
   void find_reaches();
@@ -63,7 +60,6 @@ class LightAround {
   const ShadingScene* scene_ = nullptr;
   const Intersector* intersector_ = nullptr;
   const model::Environment* environment_ = nullptr;  // null: black
-  uint32_t seed_ = 0;
   bool veiled_ = false;  // something translucent is before the sky
   DiffusePaths paths_;
   Veils veils_;

@@ -12,12 +12,6 @@
 
 namespace sideray::rt {
 
-// Returns the seed of light that bounces, where the request says that it does.
-template <typename Request>
-std::optional<uint32_t> bounce_seed(const Request& request) {
-  return request.light_bounces ? std::optional<uint32_t>(request.seed) : std::nullopt;
-}
-
 // Gives a thread its shader.
 class ShaderSource {
  public:
@@ -37,7 +31,7 @@ class FrameShaders final : public ShaderSource {
     bool tells_rough;  // rough reflections are returned apart
     float error;       // LayerRequest::ray_reuse
     glm::vec3 viewer = {0, 0, 1};  // way_to_viewer()
-    std::optional<uint32_t> bounces = {};  // HitShader::begin()'s
+    bool bounces = false;          // LayerRequest::light_bounces
   };
   explicit FrameShaders(uint32_t threads) : threads_(threads) {}
   void begin_frame(const Frame& frame) { frame_.emplace(frame); }

@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,9 +23,9 @@ class HitShader final : public PointShader, public SecondaryHitShader, public Ra
   // Sets what the hits are shaded with until the next call; both objects are kept by the caller. `shadows` off: no
   // shadow rays. `tell_rough`: rough() has answers. `error`: LayerRequest::ray_reuse; above 0, faint lights are drawn
   // by chance, else every light that reaches a point gets a shadow ray. `viewer`: as SurfaceBatch::begin() has it.
-  // `bounces`: surfaces light each other, and hide the sky from each other, by random numbers of this seed; none: they do not.
+  // `bounces`: surfaces light each other, and hide the sky from each other.
   void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough = false,
-             float error = 0.0f, glm::vec3 viewer = {0, 0, 1}, std::optional<uint32_t> bounces = std::nullopt);
+             float error = 0.0f, glm::vec3 viewer = {0, 0, 1}, bool bounces = false);
 
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;

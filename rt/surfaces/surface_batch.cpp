@@ -272,7 +272,7 @@ PointAround SurfaceBatch::point_around(size_t point) const {
   const SurfaceBlock& block = blocks_[point / block_size];
   const size_t lane = point % block_size;
   const glm::vec3 normal = vector_at(block.geometric_normal, lane);
-  return {vector_at(block.position, lane) + normal * block.offset[lane], normal, widths_[point]};
+  return {vector_at(block.position, lane) + normal * block.offset[lane], normal, widths_[point], keys_[point]};
 }
 
 void SurfaceBatch::let_arrive(std::span<const ArrivingLight> arriving) {

@@ -67,6 +67,7 @@ struct PointAround {
   glm::vec3 origin;  // of rays that do not hit the surface itself
   glm::vec3 normal;  // the geometric one
   float width;       // of a pixel there
+  uint32_t key;      // of random numbers: the place's
 };
 
 // Refers to what a block's surfaces say of one of their lobes.
