@@ -35,8 +35,11 @@ double mean_roughness(const Content& content, const sideray_texture_slot& slot) 
   return static_cast<double>(sum) / (255.0 * static_cast<double>(rgba.size() / 4));
 }
 
+// Rough glass, too: what is seen through it is blurred by rays alone. What covers by its alpha shows what is behind it in its
+// place, and what it reflects where it is rough hardly depends on rays.
 bool traced_by_itself(const Content& content, const Material& material) {
   if (material.ray_traced != RayTraced::by_default) return material.ray_traced == RayTraced::yes;
+  if (material.desc.transmission > 0.0f) return true;
   const double texture = mean_roughness(content, material.desc.metallic_roughness_texture);
   return double{material.desc.roughness} * texture < double{smooth_roughness};
 }

@@ -8,7 +8,7 @@
 #include "elementary/functions.h"
 #include "model/material.h"
 #include "rt/refraction/refraction.h"
-#include "rt/shading/veils.h"
+#include "rt/light/veils.h"
 
 namespace sideray::bridge {
 namespace {

@@ -9,7 +9,7 @@
 #include "gl/scene/raster_scene.h"
 #include "gl/scene/shadow_plan.h"
 #include "gl/scene/tint_maps.h"
-#include "rt/irradiance/irradiance_request.h"
+#include "rt/light/diffuse_paths.h"
 #include "rt/masks/mask_filters.h"
 
 namespace sideray::bridge {
@@ -20,6 +20,8 @@ using Textures = std::vector<PlannedTexture>;
 // A ray that mirrors is traced for opaque surfaces, for translucent ones before them, and for those beyond the first
 // few once more (rt/shading/hit_shader.cpp).
 constexpr uint64_t rays_a_mirror = 3;
+// A path, and one ray more for what is translucent before the sky.
+constexpr uint64_t rays_a_path = rt::most_path_surfaces + 2;
 
 // A sum with an unbounded term is unbounded.
 uint64_t sum(uint64_t a, uint64_t b) {
@@ -152,6 +154,11 @@ void add_shading(uint64_t surfaces, bool direct, const model::Snapshot& snapshot
   work.rays_reflection = sum(work.rays_reflection, product(surfaces, rays_a_mirror));
   const uint64_t lights = !plan.casts_shadows ? 0 : snapshot.lights.size();
   work.rays_shadow = sum(work.rays_shadow, product(surfaces, lights * (direct ? 2 : 1)));
+  if (!plan.bounces) return;
+  // Each of them, and what it mirrors, may send a path.
+  const uint64_t paths = product(surfaces, direct ? 2 : 1);
+  work.rays_bounce = sum(work.rays_bounce, product(paths, rays_a_path));
+  if (plan.casts_shadows) work.rays_shadow = sum(work.rays_shadow, product(paths, rt::most_path_surfaces));
 }
 
 void add_layers(const model::Snapshot& snapshot, const FramePlan& plan, sideray_plan_work& work) {
@@ -186,10 +193,11 @@ void add_masks(const model::Snapshot& snapshot, const RenderOptions& o, const Fr
   work.rays_ao = plan.masks.ao_rays * (pixels + (plan.masks.denoise ? measured : 0));
 }
 
-// One pixel of four traces a path, which goes on from each of its surfaces and sends a ray to a light there; and a ray to the sky.
+// One pixel of four traces a path, which goes on from each of its surfaces and sends a ray to a light there; and a ray to the sky,
+// which may have to find what is translucent there.
 void add_bounces(const FramePlan& plan, sideray_plan_work& work) {
   const uint64_t paths = uint64_t{(plan.width + 1) / 2} * ((plan.height + 1) / 2);
-  work.rays_bounce = paths * (rt::most_path_surfaces + 2);
+  work.rays_bounce = sum(work.rays_bounce, paths * (rays_a_path + 1));
   if (plan.casts_shadows) work.rays_shadow = sum(work.rays_shadow, paths * rt::most_path_surfaces);
 }
 

@@ -16,6 +16,11 @@ inline uint16_t half_bits(float value) {
   return imath_float_to_half(value > 0.0f ? std::min(value, largest_half) : 0.0f);
 }
 
+// The same of what may be negative.
+inline uint16_t signed_half_bits(float value) {
+  return imath_float_to_half(value > 0.0f ? std::min(value, largest_half) : value < 0.0f ? std::max(value, -largest_half) : 0.0f);
+}
+
 inline void store_rgba(uint16_t* texel, glm::vec3 rgb, float alpha) {
   texel[0] = half_bits(rgb.x);
   texel[1] = half_bits(rgb.y);

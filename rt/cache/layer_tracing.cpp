@@ -15,6 +15,7 @@ namespace {
 FrameKey key_of(const CacheRequest& r) {
   FrameKey key;
   key.inputs = bytes_through(&sideray_layer_inputs::bounces, static_cast<const sideray_layer_inputs&>(r));
+  key.bounces = r.light_bounces;
   key.view = r.view;
   key.width = r.width;
   key.height = r.height;
@@ -171,7 +172,8 @@ TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& sc
                         .shadows = request.shadows,
                         .tells_rough = request.denoise != 0,
                         .error = request.ray_reuse,
-                        .viewer = way_to_viewer(request.view)});
+                        .viewer = way_to_viewer(request.view),
+                        .bounces = request.light_bounces});
   OlderLayers* older = takes_older(request) ? request.older : nullptr;
   TileReach* reach = request.wanted ? request.wanted->reach.get() : nullptr;
   if (reach) reach->fit(request.view, request.width, request.height, request.depth);

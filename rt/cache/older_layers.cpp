@@ -46,7 +46,7 @@ glm::dmat4 full(const glm::mat4x3& m) {
 // same light.
 bool serve_alike(const CacheRequest& a, const CacheRequest& b) {
   return a.width == b.width && a.height == b.height && a.max_layers == b.max_layers &&
-         a.all_translucent == b.all_translucent && a.shadows == b.shadows && a.step == b.step &&
+         a.all_translucent == b.all_translucent && a.shadows == b.shadows && a.light_bounces == b.light_bounces && a.step == b.step &&
          a.ray_reuse == b.ray_reuse && a.cache_rate == b.cache_rate && a.denoise == b.denoise &&
          a.refraction == b.refraction &&
          a.whole_pixels == b.whole_pixels && a.others_bits == b.others_bits;

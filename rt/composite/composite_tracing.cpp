@@ -72,7 +72,8 @@ ShaderSource& CompositeTracing::begin_shaders(const LayerRequest& request, Trace
                         .shadows = request.shadows,
                         .tells_rough = request.resolves && request.denoise,
                         .error = request.ray_reuse,
-                        .viewer = way_to_viewer(request.view)});
+                        .viewer = way_to_viewer(request.view),
+                        .bounces = request.light_bounces});
   return shaders_;
 }
 

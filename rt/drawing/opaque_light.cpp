@@ -8,7 +8,7 @@
 
 #include "rt/base/view_rays.h"
 #include "rt/drawing/view_tile.h"
-#include "rt/shading/direct_light.h"
+#include "rt/light/direct_light.h"
 #include "rt/surfaces/surface_batch.h"
 #include "rt/textures/environment_lookup.h"
 
@@ -125,7 +125,7 @@ class LightPass {
     if (request_.sky) hide_sky(w);
     if (request_.bounced) add_bounced(w);
     w.batch.reflect_environment();
-    if (request_.bounced) dim_specular(w);
+    if (request_.bounced) put_under_cover(w);
     if (!request_.mirrored) return;
     const std::span<AroundBlock> around = w.batch.around();
     for (size_t i = 0; i < w.texels.size(); ++i) {
@@ -151,8 +151,9 @@ class LightPass {
     }
   }
 
-  // Lets rough lobes see the same light as what is matt: the open share of the sky, and of the rest what arrives on average.
-  void dim_specular(LightWorker& w) const {
+  // Lets rough lobes, coats and what lets light through from behind see the same light as what is matt: the open share of the
+  // sky, and of the rest what arrives on average.
+  void put_under_cover(LightWorker& w) const {
     const std::span<AroundBlock> around = w.batch.around();
     for (size_t i = 0; i < w.texels.size(); ++i) {
       const uint16_t* halfs = &request_.bounced->light[size_t{4} * w.texels[i]];
@@ -160,7 +161,8 @@ class LightPass {
       AroundBlock& a = around[i / block_size];
       const glm::vec3 light(imath_half_to_float(halfs[0]), imath_half_to_float(halfs[1]), imath_half_to_float(halfs[2]));
       const float open = request_.sky ? mask_share(request_.masks->open[w.texels[i]]) : 1.0f;
-      set_vector(a.specular, i % block_size, glm::max(vector_at(a.specular, i % block_size) * open + light, 0.0f));
+      for (BlockRow(*rows)[3] : {&a.specular, &a.coat, &a.behind})
+        set_vector(*rows, i % block_size, glm::max(vector_at(*rows, i % block_size) * open + light, 0.0f));
     }
   }
 

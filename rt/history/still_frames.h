@@ -27,7 +27,7 @@ struct FrameKey {
   uint32_t width = 0, height = 0;
   DepthFormat format{};
   uint32_t mask = 0, stencil_bits = 0, seed = 0;
-  bool shadows = false;
+  bool shadows = false, bounces = false;
   float subpixel = 0.0f;
 };
 

@@ -133,7 +133,10 @@ void IrradianceFilter::apply(const IrradianceRequest& r, const IrradianceCells& 
               weights += w;
             }
       }
-      store_rgba(&image.light[4 * texel], weights > 0.0f ? sum / weights : glm::vec3(0.0f), weights > 0.0f ? 1.0f : 0.0f);
+      // A channel is negative where the mask of the sky, which has one, says too much.
+      const glm::vec3 light = weights > 0.0f ? sum / weights : glm::vec3(0.0f);
+      for (int c = 0; c < 3; ++c) image.light[4 * texel + static_cast<size_t>(c)] = signed_half_bits(light[c]);
+      image.light[4 * texel + 3] = half_bits(weights > 0.0f ? 1.0f : 0.0f);
     }
   });
 }

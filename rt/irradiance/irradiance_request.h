@@ -19,9 +19,6 @@ class ShadingQueue;
 class StillFrames;
 struct WantedTiles;
 
-// Of a path; what is left then is less than a hundredth in the whitest rooms.
-inline constexpr uint32_t most_path_surfaces = 16;
-
 struct IrradianceRequest {
   TraceView view;
   uint32_t width = 0, height = 0;

@@ -7,7 +7,8 @@
 #include "model/stopwatch.h"
 #include "rt/base/sampling.h"
 #include "rt/history/still_frames.h"
-#include "rt/irradiance/diffuse_paths.h"
+#include "rt/light/diffuse_paths.h"
+#include "rt/light/veils.h"
 #include "rt/irradiance/irradiance_history.h"
 #include "rt/layers/frame_tiles.h"
 #include "rt/layers/layer_tracer.h"
@@ -76,8 +77,11 @@ struct IrradianceTracing::Worker {
   std::vector<uint32_t> keys, cells;
   std::vector<glm::vec3> radiance;
   std::vector<float> nearness;
-  std::vector<Ray> sky_rays;
+  std::vector<Ray> sky_rays, clear_rays;
+  std::vector<glm::vec3> sky_light;  // along sky_rays
   std::vector<uint8_t> hidden;
+  std::vector<uint32_t> seen_cells;  // of `cells`, those that see the sky
+  Veils veils;
   std::vector<CellLight> samples;
   Counters counters;
 };
@@ -91,6 +95,7 @@ struct IrradianceTracing::Frame {
   uint32_t seed;  // of this frame of the sequence
   uint32_t columns;
   const SkyDirections* sky;  // null: black
+  bool veiled;               // something translucent is before it
 };
 
 IrradianceTracing::IrradianceTracing(uint32_t threads) : workers_(threads) {}
@@ -123,7 +128,7 @@ void IrradianceTracing::find_places(const Frame& f, Worker& w, uint32_t tile) {
 // colour differs from that of all the sky's light.
 void IrradianceTracing::see_sky(const Frame& f, Worker& w) {
   const model::Environment& environment = *f.scene.snapshot->environment;
-  w.sky_rays.clear();
+  w.sky_rays.clear(), w.sky_light.clear();
   for (size_t i = 0; i < w.cells.size(); ++i) {
     const CellPlace& place = cells_.places[w.cells[i]];
     const uint32_t key = random_key({w.keys[i], sky_purpose});
@@ -132,15 +137,30 @@ void IrradianceTracing::see_sky(const Frame& f, Worker& w) {
     w.sky_rays.push_back({w.rays[i].origin, w.rays[i].t_near, drawn.direction, farthest});
     const glm::vec3 here = environment_specular(environment, drawn.direction, blur_of_sky);
     const glm::vec3 all = environment_irradiance(environment, place.normal);
+    w.sky_light.push_back((drawn.weight * glm::one_over_pi<float>()) * of_mean_one(here));
     w.samples[i].tint = (drawn.weight * glm::one_over_pi<float>()) * (of_mean_one(here) - of_mean_one(all));
   }
   w.hidden.resize(w.sky_rays.size());
   f.intersector.occluded(w.sky_rays, false, w.hidden.data(), OpaqueSet::occludes_sky);
   w.counters.rays_bounce += w.sky_rays.size();
-  for (size_t i = 0; i < w.cells.size(); ++i) {
-    if (w.hidden[i] != 0) continue;
-    w.samples[i].open = 1.0f;
-    w.samples[i].light += w.samples[i].tint;
+  w.seen_cells.clear();
+  for (uint32_t i = 0; i < w.cells.size(); ++i)
+    if (w.hidden[i] == 0) w.seen_cells.push_back(i);
+  for (const uint32_t i : w.seen_cells) w.samples[i].open = 1.0f;
+  if (f.veiled) see_through_veils(f, w);
+  for (const uint32_t i : w.seen_cells) w.samples[i].light += w.samples[i].tint * w.samples[i].open;
+}
+
+// Adds the colour of what is translucent before the sky: in the mask it counts by the mean of its channels.
+void IrradianceTracing::see_through_veils(const Frame& f, Worker& w) {
+  w.clear_rays.clear();
+  for (const uint32_t i : w.seen_cells) w.clear_rays.push_back(w.sky_rays[i]);
+  w.veils.meet(f.scene, f.intersector, w.clear_rays, false);
+  w.counters.rays_bounce += w.clear_rays.size();
+  for (size_t k = 0; k < w.seen_cells.size(); ++k) {
+    const uint32_t i = w.seen_cells[k];
+    w.samples[i].open = w.veils.through(k);
+    w.samples[i].light += w.sky_light[i] * (w.veils.color(k) - w.veils.through(k));
   }
 }
 
@@ -228,7 +248,7 @@ Counters IrradianceTracing::trace(const IrradianceRequest& r, TracedScene& scene
   const bool is_later = history && history->frame() > 1 && r.position_frames == 0;
   const uint32_t seed = is_later ? random_key({r.seed, history->frame()}) : r.seed;
   const SkyDirections* sky = scene.sky().black() ? nullptr : &scene.sky();
-  const Frame frame{r, view, scene.shading(), scene.intersector(), history, seed, tile_count(r.width), sky};
+  const Frame frame{r, view, scene.shading(), scene.intersector(), history, seed, tile_count(r.width), sky, veils_sky(*scene.shading().snapshot)};
   const size_t tiles = size_t{frame.columns} * tile_count(r.height);
   std::vector<uint32_t> order;
   if (is_bounded(r.work)) order = order_of_importance(frame.columns, tile_count(r.height));

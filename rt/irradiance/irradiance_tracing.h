@@ -26,6 +26,7 @@ class IrradianceTracing {
   struct Frame;
   void find_places(const Frame& frame, Worker& worker, uint32_t tile);
   void see_sky(const Frame& frame, Worker& worker);
+  static void see_through_veils(const Frame& frame, Worker& worker);
   TraceEnd trace_tile(const Frame& frame, Worker& worker, uint32_t tile);
   static Counters keep(IrradianceHistory& history, const IrradianceRequest& request);
   void count_left(const Frame& frame, Worker& worker, uint32_t tile) const;

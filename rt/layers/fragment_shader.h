@@ -2,7 +2,7 @@
 // Holds scratch memory: one object per thread.
 #pragma once
 
-#include "rt/shading/direct_light.h"
+#include "rt/light/direct_light.h"
 #include "rt/shading/point_shader.h"
 
 namespace sideray::rt {

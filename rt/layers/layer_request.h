@@ -39,6 +39,7 @@ struct LayerRequest : sideray_layer_inputs {
   uint32_t stencil_bits = 0x3f;
   std::span<const uint8_t> mask_bytes;  // a pixel: TEXTURE, MEMORY
   bool shadows = true;
+  bool light_bounces = false;  // surfaces that are hit light each other, and hide the sky from each other
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between chunks
   WorkTime work;                                 // chunks that it does not let begin are skipped

@@ -21,6 +21,7 @@ constexpr size_t events_that_reuse = 2048;
 void add_work(const ShaderWork& after, const ShaderWork& before, Counters& counters) {
   counters.rays_reflection += after.rays_reflection - before.rays_reflection;
   counters.rays_shadow += after.rays_shadow - before.rays_shadow;
+  counters.rays_bounce += after.rays_bounce - before.rays_bounce;
   counters.points_shaded += after.points_asked - before.points_asked;
   counters.points_not_finite += after.points_not_finite - before.points_not_finite;
 }

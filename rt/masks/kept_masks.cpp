@@ -11,7 +11,7 @@
 #include "rt/masks/mask_filters.h"
 #include "rt/masks/mask_rays.h"
 #include "rt/scene/scene_difference.h"
-#include "rt/shading/veils.h"
+#include "rt/light/veils.h"
 
 namespace sideray::rt {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstring>
 
-#include "rt/shading/tint_tile.h"
+#include "rt/light/tint_tile.h"
 
 namespace sideray::rt {
 

@@ -18,8 +18,8 @@
 #include "rt/masks/mask_request.h"
 #include "rt/masks/older_masks.h"
 #include "rt/scene/traced_scene.h"
-#include "rt/shading/tint_tile.h"
-#include "rt/shading/veils.h"
+#include "rt/light/tint_tile.h"
+#include "rt/light/veils.h"
 
 namespace sideray::rt {
 

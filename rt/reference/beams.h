@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "rt/embree/intersector.h"
-#include "rt/shading/straight_light.h"
+#include "rt/light/straight_light.h"
 #include "rt/surfaces/media.h"
 
 namespace sideray::rt {

@@ -9,7 +9,7 @@
 #include "rt/reference/reference_lights.h"
 #include "rt/reference/reference_lobes.h"
 #include "rt/shading/point_shader.h"
-#include "rt/shading/straight_light.h"
+#include "rt/light/straight_light.h"
 #include "rt/textures/environment_sampler.h"
 
 namespace sideray::rt {

@@ -12,7 +12,7 @@ namespace sideray::rt {
 
 bool OlderReflections::follows(const ReflectionRequest& r, const model::Snapshot& committed) const {
   return known_ && r.sequence != SequenceStep::first && r.width == width_ && r.height == height_ &&
-         r.max_roughness == max_roughness_ && r.shadows == shadows_ && r.denoise == denoise_ &&
+         r.max_roughness == max_roughness_ && r.shadows == shadows_ && r.light_bounces == light_bounces_ && r.denoise == denoise_ &&
          differ_in_places_only(*committed_, committed);
 }
 
@@ -29,7 +29,7 @@ void OlderReflections::begin(const ReflectionRequest& r, TracedScene& scene, Ref
   image.radiance.resize(4 * pixels);
   ages_.resize(pixels);
   width_ = r.width, height_ = r.height;
-  max_roughness_ = r.max_roughness, shadows_ = r.shadows, denoise_ = r.denoise;
+  max_roughness_ = r.max_roughness, shadows_ = r.shadows, light_bounces_ = r.light_bounces, denoise_ = r.denoise;
   committed_ = std::move(committed);
 }
 

@@ -44,7 +44,7 @@ class OlderReflections {
   bool known_ = false, moves_ = false;  // the last frame's image; it is moved into this one
   uint32_t width_ = 0, height_ = 0, number_ = 0;
   float max_roughness_ = 0.0f;
-  bool shadows_ = false, denoise_ = false;
+  bool shadows_ = false, light_bounces_ = false, denoise_ = false;
   std::shared_ptr<const model::Snapshot> committed_;
   PixelTrail trail_;
   std::vector<uint16_t> then_;  // the image of the previous frame

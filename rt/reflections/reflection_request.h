@@ -51,6 +51,7 @@ struct ReflectionRequest {
   float max_roughness = 0.0f;            // rougher pixels are not traced
   float error = 0.0f;                    // as LayerRequest::ray_reuse, for lights that are drawn by chance
   bool shadows = true, denoise = false;  // denoise: filter what rough surfaces mirror
+  bool light_bounces = false;            // as LayerRequest has it
   uint32_t seed = 1;
   SequenceStep sequence = SequenceStep::first;   // of `still`
   StillFrames* still = nullptr;                  // an equal frame reuses the image; null: it is traced

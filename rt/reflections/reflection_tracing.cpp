@@ -47,6 +47,7 @@ FrameKey key_of(const ReflectionRequest& r) {
   key.format = r.depth.format;
   key.seed = r.seed;
   key.shadows = r.shadows;
+  key.bounces = r.light_bounces;
   key.subpixel = r.subpixel;
   return key;
 }
@@ -176,7 +177,7 @@ TraceEnd ReflectionTracing::reflect(const Tile& tile, Worker& w) {
   if (by_host)
     w.host.begin(*tile.scene, *tile.intersector, host_calls(r), r.shadows);
   else
-    w.built_in.begin(*tile.scene, *tile.intersector, r.shadows, false, r.error, way_to_viewer(r.view));
+    w.built_in.begin(*tile.scene, *tile.intersector, r.shadows, false, r.error, way_to_viewer(r.view), r.light_bounces);
   w.mirrors.begin(*tile.scene, *tile.intersector,
                   by_host ? static_cast<SecondaryHitShader&>(w.host) : static_cast<SecondaryHitShader&>(w.built_in));
   w.radiance.resize(w.points.size());

@@ -9,7 +9,7 @@ PointShader& FrameShaders::begin_chunk(uint32_t thread) {
     return own.host;
   }
   own.model.begin(frame_->scene, frame_->intersector, frame_->shadows, frame_->tells_rough,
-                  frame_->error, frame_->viewer);
+                  frame_->error, frame_->viewer, frame_->bounces);
   return own.model;
 }
 

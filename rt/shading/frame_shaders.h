@@ -31,6 +31,7 @@ class FrameShaders final : public ShaderSource {
     bool tells_rough;  // rough reflections are returned apart
     float error;       // LayerRequest::ray_reuse
     glm::vec3 viewer = {0, 0, 1};  // way_to_viewer()
+    bool bounces = false;          // LayerRequest::light_bounces
   };
   explicit FrameShaders(uint32_t threads) : threads_(threads) {}
   void begin_frame(const Frame& frame) { frame_.emplace(frame); }

@@ -36,14 +36,16 @@ float mirror_share(const AroundBlock& a, size_t lane) {
 }  // namespace
 
 void HitShader::begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough,
-                      float error, glm::vec3 viewer) {
+                      float error, glm::vec3 viewer, bool bounces) {
   scene_ = &scene;
   intersector_ = &intersector;
   shadows_ = shadows;
   tell_rough_ = tell_rough;
   error_ = error;
   rough_.clear();
-  rays_reflection = rays_shadow = 0;
+  rays_reflection = rays_shadow = rays_bounce = 0;
+  bounces_ = bounces && !scene.snapshot->fixed;
+  if (bounces_) around_.begin(scene, intersector, shadows);
   mirrors_.begin(scene, intersector, *this);
   light_.begin(scene, intersector);
   const std::string isa = intersector.isa();
@@ -54,6 +56,7 @@ void HitShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance)
   seen_.load(points);
   trace_reflections(points);
   if (tell_rough_) collect_rough(points);
+  let_arrive(seen_);
   seen_.finish(radiance);
   add_direct_seen(radiance);
   seen_.show(radiance);
@@ -107,6 +110,7 @@ void HitShader::shade_reusing(std::span<const SurfacePoint> points, std::span<co
     const glm::vec3 mirrored = vector_at(a.specular, lane);
     if (bit(a.alike, lane)) set_vector(a.coat, lane, mirrored);
   }
+  let_arrive(seen_);
   seen_.finish(radiance);
   for (size_t i = 0; i < points.size(); ++i) {
     if (seen_.is_separate()) {
@@ -263,9 +267,31 @@ void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
     }
 }
 
+std::span<const ArrivingLight> HitShader::find_arriving(const SurfaceBatch& batch, bool matt) {
+  const uint64_t rays = around_.rays(), shadow = around_.rays_shadow();
+  const std::span<const ArrivingLight> arriving = around_.find(batch, matt);
+  rays_bounce += around_.rays() - rays;
+  rays_shadow += around_.rays_shadow() - shadow;
+  return arriving;
+}
+
+// Where light bounces, lets what is matt see what arrives of it in place of all of the sky.
+void HitShader::let_arrive(SurfaceBatch& batch) {
+  if (bounces_) batch.let_arrive(find_arriving(batch, true));
+}
+
+// Lets surfaces that have no mirror rays see what is around them.
+void HitShader::see_around(SurfaceBatch& batch) {
+  batch.reflect_environment();
+  if (!bounces_) return;
+  const std::span<const ArrivingLight> arriving = find_arriving(batch, false);
+  batch.let_arrive(arriving);
+  batch.let_arrive_in_mirrors(arriving);
+}
+
 // Computes the light without further reflections: the prefiltered environment takes their place.
 void HitShader::shade_reflected(glm::vec3* radiance) {
-  reflected_.reflect_environment();
+  see_around(reflected_);
   reflected_.finish(radiance);
   add_lights(reflected_, radiance, {});
   reflected_.show(radiance);
@@ -281,7 +307,7 @@ void HitShader::shade_in_front(std::span<const HitPlace> hits, shading::SrBlend*
   if (hits.empty()) return;
   in_front_.load(hits);
   in_front_.blend(hits, blends);
-  in_front_.reflect_environment();
+  see_around(in_front_);
   in_front_.finish_unblocked(radiance);
 }
 

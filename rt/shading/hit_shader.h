@@ -9,7 +9,8 @@
 #include <vector>
 
 #include "rt/embree/intersector.h"
-#include "rt/shading/direct_light.h"
+#include "rt/light/direct_light.h"
+#include "rt/light/light_around.h"
 #include "rt/shading/mirror_rays.h"
 #include "rt/shading/point_shader.h"
 #include "rt/shading/ray_sharing.h"
@@ -22,8 +23,9 @@ class HitShader final : public PointShader, public SecondaryHitShader, public Ra
   // Sets what the hits are shaded with until the next call; both objects are kept by the caller. `shadows` off: no
   // shadow rays. `tell_rough`: rough() has answers. `error`: LayerRequest::ray_reuse; above 0, faint lights are drawn
   // by chance, else every light that reaches a point gets a shadow ray. `viewer`: as SurfaceBatch::begin() has it.
+  // `bounces`: surfaces light each other, and hide the sky from each other.
   void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough = false,
-             float error = 0.0f, glm::vec3 viewer = {0, 0, 1});
+             float error = 0.0f, glm::vec3 viewer = {0, 0, 1}, bool bounces = false);
 
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
@@ -62,11 +64,14 @@ class HitShader final : public PointShader, public SecondaryHitShader, public Ra
   Mirror mirror_of(const SurfacePoint& point, size_t i, uint32_t layer) const;
   void choose_lobes(size_t points);
   void collect_mirror_rays(std::span<const SurfacePoint> points);
+  std::span<const ArrivingLight> find_arriving(const SurfaceBatch& batch, bool matt);
+  void let_arrive(SurfaceBatch& batch);
+  void see_around(SurfaceBatch& batch);
   void shade_reflected(glm::vec3* radiance);
 
   const ShadingScene* scene_ = nullptr;
   const Intersector* intersector_ = nullptr;
-  bool shadows_ = true, tell_rough_ = false;
+  bool shadows_ = true, tell_rough_ = false, bounces_ = false;
   float error_ = 0.0f;
 
   SurfaceBatch seen_, reflected_, in_front_;  // seen by the eye; in mirrors; before what mirrors show
@@ -75,6 +80,7 @@ class HitShader final : public PointShader, public SecondaryHitShader, public Ra
   std::vector<Lobe> lobes_;  // those of mirrors_
 
   DirectLight light_;
+  LightAround around_;
 
   std::vector<RoughReflection> rough_;
 

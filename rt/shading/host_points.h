@@ -14,7 +14,7 @@
 #include "rt/base/trace_end.h"
 #include "rt/embree/intersector.h"
 #include "rt/shading/shading_queue.h"
-#include "rt/shading/straight_light.h"
+#include "rt/light/straight_light.h"
 #include "rt/surfaces/surface.h"
 
 namespace sideray::rt {

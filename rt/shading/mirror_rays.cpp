@@ -60,10 +60,6 @@ bool mirrors(const Mirror& mirror) {
   return mirror.narrow || (!mirror.brushed && mirrors(mirror.roughness));
 }
 
-glm::vec3 start_of_ray(const SurfacePoint& p) {
-  return p.position + p.geometric_normal * p.offset;
-}
-
 void MirrorRays::begin(const ShadingScene& scene, const Intersector& intersector, SecondaryHitShader& met) {
   scene_ = &scene;
   intersector_ = &intersector;

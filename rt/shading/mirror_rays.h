@@ -27,9 +27,6 @@ struct Mirror {
 bool mirrors(float roughness);
 bool mirrors(const Mirror& mirror);
 
-// Returns where a ray that leaves the point's surface starts.
-glm::vec3 start_of_ray(const SurfacePoint& point);
-
 class MirrorRays {
  public:
   // All arguments must outlive the object. `met` shades the secondary hits.

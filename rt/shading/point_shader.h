@@ -7,6 +7,7 @@
 #include <span>
 
 #include "rt/base/trace_end.h"
+#include "rt/light/secondary_hits.h"
 #include "rt/surfaces/surface.h"
 #include "rt/surfaces/surface_batch.h"
 #include "rt/textures/environment_lookup.h"
@@ -32,7 +33,7 @@ struct RoughReflection {
 // Counts what a shader did since it began.
 struct ShaderWork {
   // These count traversals; a reflection that looks for translucent surfaces too starts two.
-  uint64_t rays_reflection = 0, rays_shadow = 0;
+  uint64_t rays_reflection = 0, rays_shadow = 0, rays_bounce = 0;
   // These count points that a host's shader was called for, and its results that were not finite.
   uint64_t points_asked = 0, points_not_finite = 0;
   // Other than complete: the host's shader is not called any more, and results after that are invalid.
@@ -73,17 +74,6 @@ class PointShader : public ShaderWork {
 
   // Returns the rough reflection of each point of the last shade(); empty if the shader does not return it apart.
   virtual std::span<const RoughReflection> rough() const { return {}; }
-};
-
-// Shades secondary hits, which mirrors show. They have no further mirrors: the environment takes their place.
-class SecondaryHitShader {
- public:
-  virtual ~SecondaryHitShader() = default;
-  virtual void shade_secondary_hits(std::span<const HitPlace> hits, glm::vec3* radiance) = 0;
-  // Shades translucent surfaces before the secondary hits, without shadows, and says how each is composited.
-  virtual void shade_in_front(std::span<const HitPlace> hits, shading::SrBlend* blends, glm::vec3* radiance) = 0;
-  // Writes what each of the rays sees that leave the scene.
-  virtual void surroundings(std::span<const EnvironmentPlace> places, glm::vec3* radiance) const = 0;
 };
 
 }  // namespace sideray::rt

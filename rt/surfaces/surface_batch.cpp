@@ -40,6 +40,10 @@ glm::vec3 place_of(const HitPlace& hit) {
   return hit.ray->origin + hit.ray->direction * static_cast<float>(hit.hit->distance);
 }
 
+float width_at(const HitPlace& hit) {
+  return hit.cone.width + hit.cone.spread * static_cast<float>(hit.hit->distance);
+}
+
 constexpr uint32_t surface_words = sizeof(SurfaceBlock) / sizeof(BlockRow);
 
 TexelView view(const model::Environment::Image& image) {
@@ -76,7 +80,7 @@ void place_hit(const HitPlace& place, HitBlock& block, size_t lane) {
   block.u[lane] = hit.u;
   block.v[lane] = hit.v;
   set_vector(block.direction, lane, place.ray->direction);
-  block.width[lane] = place.cone.width + place.cone.spread * static_cast<float>(hit.distance);
+  block.width[lane] = width_at(place);
   block.front[lane] = hit.front ? 1.0f : 0.0f;
   block.instance[lane] = hit.instance;
   block.primitive[lane] = hit.primitive;
@@ -202,9 +206,8 @@ void SurfaceBatch::begin(const ShadingScene& scene, const std::string& isa, glm:
 
 void SurfaceBatch::load(std::span<const SurfacePoint> points) {
   count_ = points.size();
-  weights_.clear();
-  keys_.clear();
-  for (const SurfacePoint& p : points) weights_.push_back(p.weight), keys_.push_back(key_of_place(p.position));
+  clear_traits();
+  for (const SurfacePoint& p : points) add_traits(p.weight, p.cone.width, key_of_place(p.position));
   blocks_.resize((count_ + block_size - 1) / block_size);
   for (size_t b = 0; b < blocks_.size(); ++b) {
     const size_t first = b * block_size;
@@ -216,15 +219,26 @@ void SurfaceBatch::load(std::span<const SurfacePoint> points) {
 
 void SurfaceBatch::load(std::span<const HitPlace> hits) {
   count_ = hits.size();
-  weights_.clear();
-  keys_.clear();
-  for (const HitPlace& hit : hits) weights_.push_back(hit.weight), keys_.push_back(key_of_place(place_of(hit)));
+  clear_traits();
+  for (const HitPlace& hit : hits) add_traits(hit.weight, width_at(hit), key_of_place(place_of(hit)));
   blocks_.resize((count_ + block_size - 1) / block_size);
   for (size_t b = 0; b < blocks_.size(); ++b) {
     const size_t first = b * block_size;
     make_block(*scene_, *kernels_, hits.subspan(first, std::min<size_t>(block_size, count_ - first)), blocks_[b]);
   }
   look_around();
+}
+
+void SurfaceBatch::clear_traits() {
+  weights_.clear();
+  widths_.clear();
+  keys_.clear();
+}
+
+void SurfaceBatch::add_traits(float weight, float width, uint32_t key) {
+  weights_.push_back(weight);
+  widths_.push_back(width);
+  keys_.push_back(key);
 }
 
 void SurfaceBatch::look_around() {
@@ -243,6 +257,38 @@ void SurfaceBatch::hide_sky(std::span<const SkyShares> shares) {
   if (environment.black) return;
   for (size_t b = 0; b < blocks_.size(); ++b)
     kernels_->hide_sky(blocks_[b], view(environment.irradiance), shares[b], around_[b]);
+}
+
+bool SurfaceBatch::is_matt(size_t point) const {
+  const BlockRow* rows = &blocks_[point / block_size].surface[offsetof(SrSurface, diffuse) / sizeof(float)];
+  const BlockRow* behind = &blocks_[point / block_size].surface[offsetof(SrSurface, behind) / sizeof(float)];
+  const size_t lane = point % block_size;
+  for (int c = 0; c < 3; ++c)
+    if (rows[c][lane] > 0.0f || behind[c][lane] > 0.0f) return true;
+  return false;
+}
+
+PointAround SurfaceBatch::point_around(size_t point) const {
+  const SurfaceBlock& block = blocks_[point / block_size];
+  const size_t lane = point % block_size;
+  const glm::vec3 normal = vector_at(block.geometric_normal, lane);
+  return {vector_at(block.position, lane) + normal * block.offset[lane], normal, widths_[point], keys_[point]};
+}
+
+void SurfaceBatch::let_arrive(std::span<const ArrivingLight> arriving) {
+  for (size_t i = 0; i < count_; ++i) {
+    AroundBlock& a = around_[i / block_size];
+    for (BlockRow(*rows)[3] : {&a.irradiance, &a.behind})
+      set_vector(*rows, i % block_size, vector_at(*rows, i % block_size) * arriving[i].open + arriving[i].thrown);
+  }
+}
+
+void SurfaceBatch::let_arrive_in_mirrors(std::span<const ArrivingLight> arriving) {
+  for (size_t i = 0; i < count_; ++i) {
+    AroundBlock& a = around_[i / block_size];
+    for (BlockRow(*rows)[3] : {&a.specular, &a.coat})
+      set_vector(*rows, i % block_size, vector_at(*rows, i % block_size) * arriving[i].open + arriving[i].thrown);
+  }
 }
 
 void SurfaceBatch::reflect_environment() {

@@ -56,6 +56,20 @@ class ShadowRays {
   size_t count_ = 0;
 };
 
+// What arrives at a point from around it, beside lights: the light that other surfaces throw, as the radiance that a white matt
+// surface has by it, and the share of the sky's light that nothing hides.
+struct ArrivingLight {
+  glm::vec3 thrown{0.0f}, open{1.0f};
+};
+
+// A point of a batch as rays leave it.
+struct PointAround {
+  glm::vec3 origin;  // of rays that do not hit the surface itself
+  glm::vec3 normal;  // the geometric one
+  float width;       // of a pixel there
+  uint32_t key;      // of random numbers: the place's
+};
+
 // Refers to what a block's surfaces say of one of their lobes.
 struct LobeRows {
   const BlockRow (&normal)[3];
@@ -78,6 +92,14 @@ class SurfaceBatch {
 
   // Darkens the sky's light at the points by its visible shares: one `shares` a block.
   void hide_sky(std::span<const SkyShares> shares);
+
+  // Returns whether anything of a point is matt.
+  bool is_matt(size_t point) const;
+  PointAround point_around(size_t point) const;
+  // Lets what is matt see what arrives in place of all of the sky.
+  void let_arrive(std::span<const ArrivingLight> arriving);
+  // The same of what the mirror directions show, which reflect_environment() has filled.
+  void let_arrive_in_mirrors(std::span<const ArrivingLight> arriving);
 
   // Lets the mirror directions show the prefiltered environment.
   void reflect_environment();
@@ -131,6 +153,8 @@ class SurfaceBatch {
   };
   LightTerms terms_of(size_t light) const;
   void start_fixed(glm::vec3* radiance);
+  void clear_traits();
+  void add_traits(float weight, float width, uint32_t key);
   void look_around();
   void list_candidates(size_t block, BlockRow& total, glm::vec3* offered);
   void store_radiance(size_t block, const BlockRow (&rows)[3], glm::vec3* radiance) const;
@@ -143,7 +167,7 @@ class SurfaceBatch {
   std::vector<AroundBlock> around_;
   std::vector<LightBlock> lights_;
   std::vector<Candidate> candidates_;  // of one block, one a light
-  std::vector<float> weights_;
+  std::vector<float> weights_, widths_;
   std::vector<uint32_t> keys_;
   EnvironmentLevels levels_{};
   std::vector<FixedLightTerms> fixed_lights_;  // those of the scene, seen by the viewer

@@ -41,4 +41,9 @@ struct SurfacePoint {
   const HostAnswer* answer = nullptr;  // the host's, where there is one; owned by its giver
 };
 
+// Returns where a ray that leaves the point's surface starts.
+inline glm::vec3 start_of_ray(const SurfacePoint& p) {
+  return p.position + p.geometric_normal * p.offset;
+}
+
 }  // namespace sideray::rt

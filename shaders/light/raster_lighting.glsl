@@ -340,21 +340,23 @@ vec3 environment_radiance(vec3 normal, vec3 mirror, float roughness) {
   return textureLod(environment_specular, sr_latlong(direction), roughness * environment_last_level).xyz;
 }
 
+// Lets what has no mask or ray of its own see the light of matt surfaces: the open share of the sky, and of the rest what arrives
+// on average.
+vec3 under_cover(vec3 of_sky) {
 #ifdef SR_MASKS
-// Lets what is not traced toward its mirror direction see the light of matt surfaces: the open share of the sky, and of the rest
-// what arrives on average.
-vec3 under_cover(vec3 prefiltered) {
   vec4 thrown = bounced_light();
-  if (!(thrown.w > 0.0)) return prefiltered;
-  float seen = open_mask_on ? texelFetch(open_mask, ivec2(gl_FragCoord.xy), 0).x : 1.0;
-  return max(prefiltered * seen + thrown.xyz, vec3(0.0));
-}
+  if (thrown.w > 0.0) {
+    float seen = open_mask_on ? texelFetch(open_mask, ivec2(gl_FragCoord.xy), 0).x : 1.0;
+    return max(of_sky * seen + thrown.xyz, vec3(0.0));
+  }
 #endif
+  return of_sky;
+}
 
 // Gives what the base mirrors, by rays where there were any, over the environment.
-vec3 over_environment(vec3 prefiltered) {
+vec3 over_environment(vec3 of_sky) {
+  vec3 prefiltered = under_cover(of_sky);
 #ifdef SR_MASKS
-  prefiltered = under_cover(prefiltered);
   if (mirrored_on) {
     vec4 traced = texelFetch(mirrored, ivec2(gl_FragCoord.xy), 0);
     return mix(prefiltered, traced.xyz, traced.w);
@@ -372,23 +374,19 @@ vec3 environment_light(SrSurface s, vec3 geometric_normal, vec3 to_eye) {
   vec3 mirror = sr_lifted(reflect(-to_eye, bent), geometric_normal);
   vec3 prefiltered = environment_radiance(bent, mirror, sr_look_up_roughness(s));
   // Rays toward the G-buffer's mirror directions know round lobes only.
-#ifdef SR_MASKS
   around.specular = s.anisotropy > 0.0 ? under_cover(prefiltered) : over_environment(prefiltered);
-#else
-  around.specular = prefiltered;
-#endif
 #else
   vec3 mirror = sr_lifted(reflect(-to_eye, s.normal), geometric_normal);
   around.specular = over_environment(environment_radiance(s.normal, mirror, s.roughness));
 #endif
 #if (SR_LOBES & 4) != 0
-  around.behind = irradiance_about(-s.normal);
+  around.behind = under_cover(irradiance_about(-s.normal));
 #else
   around.behind = vec3(0.0);
 #endif
 #if (SR_LOBES & 1) != 0
   vec3 coat_mirror = sr_lifted(reflect(-to_eye, s.coat_normal), geometric_normal);
-  around.coat = environment_radiance(s.coat_normal, coat_mirror, s.coat_roughness);
+  around.coat = under_cover(environment_radiance(s.coat_normal, coat_mirror, s.coat_roughness));
 #else
   around.coat = vec3(0.0);
 #endif

@@ -60,6 +60,15 @@ TEST(Selection, AutoTakesMarksAndSmoothGlass) {
   EXPECT_THAT(selected(content, "auto"), ElementsAre(false, false, true, false));
 }
 
+// What is seen through it is blurred by rays alone.
+TEST(Selection, AutoTakesRoughGlass) {
+  Content content = four_quads();
+  content.materials[2].desc.transmission = 1.0f;
+  EXPECT_THAT(selected(content, "auto"), ElementsAre(false, true, true, false));
+  content.materials[2].ray_traced = RayTraced::no;
+  EXPECT_THAT(selected(content, "auto"), ElementsAre(false, true, false, false));
+}
+
 // A roughness of 1 says nothing where a texture is multiplied onto it.
 TEST(Selection, AutoReadsTheMeanOfTheRoughnessTexture) {
   Content content = four_quads();

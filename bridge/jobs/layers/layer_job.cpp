@@ -33,6 +33,7 @@ void fill(rt::LayerRequest& request, const JobFrame& frame, const TraceInput& in
   request.stencil_bits = in.source.stencil_bits;
   request.mask_bytes = input.mask_bytes;
   request.shadows = in.shadows;
+  request.light_bounces = in.irradiance.has_value();
   request.seed = in.seed;
   request.cancelled = &input.cancelled;
   request.work = input.work;

@@ -37,6 +37,7 @@ rt::Counters ReflectionJob::trace(const JobFrame& frame, const TraceInput& input
                                       .error = in.layers ? in.layers->ray_reuse : 0.0f,
                                       .shadows = in.shadows,
                                       .denoise = in.reflections->denoise != 0,
+                                      .light_bounces = in.irradiance.has_value(),
                                       .seed = in.seed,
                                       .sequence = frame.sequence,
                                       .still = &still_,

@@ -96,6 +96,25 @@ TEST(Irradiance, OfAnOpenFieldIsNone) {
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(rgb(image.light, t)[c], 0.0f, 1e-3f) << t;
 }
 
+// The mask of the sky counts a coloured sheet by the mean of its channels: what they differ from it by is found here.
+TEST(Irradiance, BelowGlassHasItsColour) {
+  TestScene scene;
+  scene.quad({0, -2, 0}, {50, 0, 0}, {0, 0, 50}, matt(0.8f, glm::vec3(0.0f)));
+  sideray_material_desc red = glass();
+  red.base_color[0] = 1.0f, red.base_color[1] = 0.2f, red.base_color[2] = 0.6f;
+  scene.quad({0, 1, 0}, {500, 0, 0}, {0, 0, 500}, red);
+  scene.environment(glm::vec3(1.0f));
+  Tracer tracer({2, ""});
+  tracer.set_scene(scene.commit());
+  IrradianceImage image;
+  tracer.trace_irradiance(FloorFrame().request(), image);
+  const glm::vec3 found = mean(image);
+  EXPECT_GT(found.x, 0.3f);
+  EXPECT_LT(found.x, 0.4f);
+  EXPECT_NEAR(found.y, -found.x, 0.01f);
+  EXPECT_NEAR(found.z, 0.0f, 0.01f);
+}
+
 TEST(Irradiance, IsTheSameForAnyNumberOfThreads) {
   const FloorFrame frame;
   std::vector<uint16_t> first;

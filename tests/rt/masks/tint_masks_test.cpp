@@ -12,7 +12,7 @@
 #include "rt/masks/older_masks.h"
 #include "rt/refraction/refraction_scene.h"
 #include "rt/scene/traced_scene.h"
-#include "rt/shading/straight_light.h"
+#include "rt/light/straight_light.h"
 
 namespace sideray::rt::tint_masks_test {
 namespace {

@@ -1,12 +1,10 @@
-#include "rt/irradiance/diffuse_paths.h"
+#include "rt/light/diffuse_paths.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "rt/base/largest.h"
 #include "rt/base/sampling.h"
-#include "rt/irradiance/irradiance_request.h"
-#include "rt/shading/mirror_rays.h"
 #include "shaders/shading/shading_cpp.h"
 
 namespace sideray::rt {

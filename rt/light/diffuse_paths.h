@@ -12,12 +12,15 @@
 #include <vector>
 
 #include "rt/embree/intersector.h"
-#include "rt/shading/direct_light.h"
-#include "rt/shading/point_shader.h"
-#include "rt/shading/straight_light.h"
+#include "rt/light/direct_light.h"
+#include "rt/light/secondary_hits.h"
+#include "rt/light/straight_light.h"
 #include "rt/surfaces/surface_batch.h"
 
 namespace sideray::rt {
+
+// Of a path; what is left then is less than a hundredth in the whitest rooms.
+inline constexpr uint32_t most_path_surfaces = 16;
 
 class DiffusePaths {
  public:

@@ -1,5 +1,5 @@
 // What translucent surfaces leave of light that goes straight through them, against closed forms.
-#include "rt/shading/straight_light.h"
+#include "rt/light/straight_light.h"
 
 #include <gtest/gtest.h>
 

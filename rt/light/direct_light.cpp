@@ -1,4 +1,4 @@
-#include "rt/shading/direct_light.h"
+#include "rt/light/direct_light.h"
 
 namespace sideray::rt {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "rt/points/point_tile.h"
-#include "rt/shading/straight_light.h"
+#include "rt/light/straight_light.h"
 
 namespace sideray::rt {
 

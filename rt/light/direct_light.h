@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "rt/embree/intersector.h"
-#include "rt/shading/straight_light.h"
+#include "rt/light/straight_light.h"
 #include "rt/surfaces/surface_batch.h"
 
 namespace sideray::rt {

@@ -1,4 +1,4 @@
-#include "rt/shading/tint_tile.h"
+#include "rt/light/tint_tile.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <span>
 #include <vector>
 
@@ -20,8 +21,9 @@ class Veils {
   // Follows rays that hit nothing opaque. Surfaces count that are visible to ambient occlusion, the nearest sixteen of
   // a ray.
   void meet(const ShadingScene& scene, const Intersector& intersector, std::span<const Ray> rays, bool coherent);
-  // Returns the mean over red, green and blue of what all surfaces on the ray let straight through, absorption by their
-  // thickness included; of additive ones all.
+  // Returns what all surfaces on the ray let straight through, absorption by their thickness included; of additive ones all.
+  glm::vec3 color(size_t ray) const { return colors_[ray]; }
+  // Returns its mean over red, green and blue.
   float through(size_t ray) const { return through_[ray]; }
   // Returns the distance of the nearest one that absorbs or reflects; infinite if there is none.
   float distance(size_t ray) const { return distance_[ray]; }

@@ -1,4 +1,4 @@
-#include "rt/shading/straight_light.h"
+#include "rt/light/straight_light.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "rt/shading/veils.h"
+#include "rt/light/veils.h"
 
 #include <algorithm>
 #include <cmath>
@@ -48,7 +48,7 @@ void Veils::meet(const ShadingScene& scene, const Intersector& intersector, std:
   }
   through_.resize(rays.size());
   for (size_t r = 0; r < rays.size(); ++r) {
-    const glm::vec3 c = glm::clamp(colors_[r], 0.0f, 1.0f);
+    const glm::vec3 c = colors_[r] = glm::clamp(colors_[r], 0.0f, 1.0f);
     through_[r] = (c.x + c.y + c.z) * (1.0f / 3.0f);
   }
 }

@@ -1,0 +1,79 @@
+// Finds what arrives at a batch of points from around them where light bounces: the light of other surfaces, and the share of
+// the sky that is open. Few of the points send a path each (rt/light/diffuse_paths.h); all take the mean of what the paths of
+// points near them found, no farther than light may be taken for equal: in proportion to the harmonic mean of the distances of
+// what throws it (Ward et al. 1988, "A Ray Tracing Solution for Diffuse Interreflection"). Holds scratch memory: one object per
+// thread.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "rt/light/diffuse_paths.h"
+#include "rt/light/veils.h"
+#include "rt/surfaces/surface_batch.h"
+
+namespace sideray::rt {
+
+class LightAround {
+ public:
+  // The caller keeps both objects.
+  void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows);
+  // Finds what arrives at the batch's points, with `matt` at those alone that have anything matt. The same batch gets the same
+  // bits.
+  std::span<const ArrivingLight> find(const SurfaceBatch& batch, bool matt);
+
+  // Traversals since begin().
+  uint64_t rays() const { return paths_.rays + rays_to_veils_; }
+  uint64_t rays_shadow() const { return paths_.rays_shadow; }
+
+ private:
+  // Part of space, and of the directions that surfaces face.
+  struct Cell {
+    glm::i64vec3 place;
+    glm::i8vec3 facing;
+    bool operator==(const Cell&) const = default;
+  };
+  struct Point {
+    PointAround around;
+    uint32_t number;  // in the batch
+    Cell cell;
+    uint32_t record;  // of the point that sends a path for its cell
+  };
+  // What a path found.
+  struct Record {
+    glm::vec3 position, normal;
+    float width;     // of a pixel there
+    float nearness;  // 1 / distance of what the path hit
+    float reach;     // as far as what it found is taken for equal
+    glm::vec3 thrown, sky, seen_sky;  // what it brought; the sky's light in its direction, and that where nothing is in the way
+  };
+  void gather(const SurfaceBatch& batch, bool matt);
+  size_t sort_into_cells(int coarser);
+  void choose_senders();
+  void send_paths();
+  void see_sky();
+  void find_reaches();
+  ArrivingLight mean_about(const Record& record) const;
+
+  const ShadingScene* scene_ = nullptr;
+  const Intersector* intersector_ = nullptr;
+  const model::Environment* environment_ = nullptr;  // null: black
+  bool veiled_ = false;  // something translucent is before the sky
+  DiffusePaths paths_;
+  Veils veils_;
+  std::vector<Point> points_;  // those of a cell one behind the other
+  std::vector<Record> records_;
+  std::vector<Ray> rays_, clear_;      // the latter hit nothing opaque
+  std::vector<uint32_t> of_clear_;
+  uint64_t rays_to_veils_ = 0;
+  std::vector<Cone> cones_;
+  std::vector<uint32_t> keys_;
+  std::vector<glm::vec3> radiance_;
+  std::vector<float> nearness_;
+  std::vector<ArrivingLight> means_;     // about each of records_
+  std::vector<ArrivingLight> arriving_;  // at each point of the batch
+};
+
+}  // namespace sideray::rt

@@ -1,0 +1,159 @@
+// What arrives at points that rays have hit, where light bounces, against closed forms: a furnace, an open field, half a sky.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "rt/shading/hit_shader.h"
+#include "rt/tracer_scene.h"
+
+namespace sideray::rt::light_around_test {
+namespace {
+
+using namespace test;
+
+sideray_material_desc matt(float albedo, glm::vec3 emission = glm::vec3(0.0f)) {
+  sideray_material_desc m = glowing(emission);
+  for (int c = 0; c < 3; ++c) m.base_color[c] = albedo;
+  m.unlit = 0;
+  m.specular = 0.0f;
+  m.roughness = 1.0f;
+  m.double_sided = 1;
+  return m;
+}
+
+// Shades what rays hit that go from a point in all directions through a grid on the face of a cube.
+struct Hits {
+  explicit Hits(TestScene& scene) : shading(std::make_unique<ShadingScene>(scene.commit())) {
+    intersector.set_scene(shading->snapshot);
+  }
+
+  std::vector<glm::vec3> shade(glm::vec3 from, glm::vec3 toward, bool bounces) {
+    constexpr int side = 24;
+    std::vector<Ray> rays;
+    const glm::vec3 across = glm::abs(toward.y) > 0.9f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x) {
+        const float u = (static_cast<float>(x) + 0.5f) / side - 0.5f, v = (static_cast<float>(y) + 0.5f) / side - 0.5f;
+        rays.push_back({from, 0.0f, glm::normalize(toward + u * across + v * glm::cross(toward, across)), 1e30f});
+      }
+    std::vector<Hit> hits(rays.size());
+    intersector.nearest_opaque(rays, false, hits.data());
+    std::vector<HitPlace> places;
+    for (size_t i = 0; i < rays.size(); ++i)
+      if (hits[i].instance != no_instance) places.push_back({&hits[i], &rays[i], {0.0f, 0.02f}});
+    std::vector<glm::vec3> radiance(places.size());
+    HitShader shader;
+    shader.begin(*shading, intersector, true, false, 0.0f, {0, 0, 1}, bounces);
+    shader.shade_secondary_hits(places, radiance.data());
+    rays_bounce = shader.rays_bounce;
+    return radiance;
+  }
+
+  std::unique_ptr<ShadingScene> shading;
+  Intersector intersector{""};
+  uint64_t rays_bounce = 0;
+};
+
+glm::vec3 mean(const std::vector<glm::vec3>& values) {
+  glm::vec3 sum(0.0f);
+  for (const glm::vec3 v : values) sum += v;
+  return sum / static_cast<float>(values.size());
+}
+
+// Everywhere inside the light is e + a e + a^2 e + ... = e / (1 - a); the sky outside has no part in it.
+TEST(LightAround, OfAFurnaceHasAllBounces) {
+  for (const float albedo : {0.0f, 0.5f, 0.8f}) {
+    const glm::vec3 emission(0.5f, 0.25f, 0.125f);
+    TestScene scene;
+    const sideray_material_desc m = matt(albedo, emission);
+    for (const double s : {-1.0, 1.0}) {
+      scene.quad({8 * s, 0, 0}, {0, 2, 0}, {0, 0, 8}, m);
+      scene.quad({0, 2 * s, 0}, {8, 0, 0}, {0, 0, 8}, m);
+      scene.quad({0, 0, 8 * s}, {8, 0, 0}, {0, 2, 0}, m);
+    }
+    scene.environment(glm::vec3(3.0f));
+    Hits hits(scene);
+    glm::vec3 found(0.0f);
+    constexpr int places = 16;
+    for (int i = 0; i < places; ++i)
+      found += mean(hits.shade({0.3f * static_cast<float>(i) - 2.4f, 0, 0.1f}, {0, -1, 0}, true)) / static_cast<float>(places);
+    const glm::vec3 expected = emission / (1.0f - albedo);
+    EXPECT_GT(hits.rays_bounce, 0u);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], 0.03f * expected[c]) << albedo;
+    const glm::vec3 without = mean(hits.shade({0, 0, 0}, {0, -1, 0}, false));
+    EXPECT_EQ(hits.rays_bounce, 0u);
+    EXPECT_NEAR(without.x, emission.x + 3.0f * albedo, 1e-3f) << "all of the sky, and nothing of the walls";
+  }
+}
+
+// Nothing is hidden: the light is the sky's to the bit, without noise.
+TEST(LightAround, OfAnOpenFieldIsTheSky) {
+  TestScene scene;
+  scene.quad({0, -2, 0}, {500, 0, 0}, {0, 0, 500}, matt(0.8f));
+  scene.environment({1.0f, 0.5f, 0.25f});
+  Hits hits(scene);
+  const std::vector<glm::vec3> with = hits.shade({0, 0, 0}, {0, -1, 0}, true), without = hits.shade({0, 0, 0}, {0, -1, 0}, false);
+  EXPECT_EQ(with, without);
+}
+
+// Below an endless black ceiling that covers half of the sky, half of it is left.
+TEST(LightAround, OfHalfASkyIsHalf) {
+  TestScene scene;
+  scene.quad({0, -2, 0}, {50, 0, 0}, {0, 0, 50}, matt(0.5f));
+  scene.quad({5000, 8, 0}, {5000, 0, 0}, {0, 0, 5000}, matt(0.0f));
+  scene.environment({2.0f, 1.0f, 0.5f});
+  Hits hits(scene);
+  // Straight below the edge the covered half of the directions carries half of the light.
+  const glm::vec3 found = mean(hits.shade({0, -1.5f, 0}, {0, -1, 0}, true)), all = mean(hits.shade({0, -1.5f, 0}, {0, -1, 0}, false));
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], 0.5f * all[c], 0.04f * all[c]);
+}
+
+// The next wall is lit otherwise: points of two rooms that a thin wall parts do not share what they found.
+TEST(LightAround, EndsAtAWall) {
+  TestScene scene;
+  const auto room = [&](double x, glm::vec3 emission) {
+    for (const double s : {-1.0, 1.0}) {
+      scene.quad({x + 2 * s, 0, 0}, {0, 2, 0}, {0, 0, 2}, matt(0.5f, emission));
+      scene.quad({x, 0, 2 * s}, {2, 0, 0}, {0, 2, 0}, matt(0.5f, emission));
+    }
+    scene.quad({x, 2, 0}, {2, 0, 0}, {0, 0, 2}, matt(0.5f, emission));
+  };
+  room(-2.01, glm::vec3(1.0f));
+  room(2.01, glm::vec3(0.0f));
+  scene.quad({0, -2, 0}, {8, 0, 0}, {0, 0, 2}, matt(0.5f));
+  scene.environment(glm::vec3(0.0f));
+  Hits hits(scene);
+  const glm::vec3 dark = mean(hits.shade({2.01f, 0, 0}, {0, -1, 0}, true)), bright = mean(hits.shade({-2.01f, 0, 0}, {0, -1, 0}, true));
+  EXPECT_LT(dark.x, 1e-3f * bright.x);
+  EXPECT_GT(bright.x, 0.4f);
+}
+
+// The sky through a coloured sheet has its colour.
+TEST(LightAround, SeesTheSkyThroughGlass) {
+  TestScene scene;
+  scene.quad({0, -2, 0}, {50, 0, 0}, {0, 0, 50}, matt(0.5f));
+  sideray_material_desc red = glass();
+  red.base_color[0] = 1.0f, red.base_color[1] = 0.2f, red.base_color[2] = 0.5f;
+  scene.quad({0, 2, 0}, {500, 0, 0}, {0, 0, 500}, red);
+  scene.environment(glm::vec3(1.0f));
+  Hits hits(scene);
+  const glm::vec3 found = mean(hits.shade({0, 0, 0}, {0, -1, 0}, true));
+  EXPECT_GT(found.x, 0.35f);
+  EXPECT_LT(found.x, 0.5f);
+  EXPECT_NEAR(found.y / found.x, 0.2f, 0.01f);
+  EXPECT_NEAR(found.z / found.x, 0.5f, 0.01f);
+}
+
+TEST(LightAround, IsTheSameForTheSameBatch) {
+  TestScene scene;
+  scene.quad({0, -2, 0}, {50, 0, 0}, {0, 0, 50}, matt(0.5f));
+  scene.quad({4, 0, 0}, {0, 2, 0}, {0, 0, 50}, matt(0.7f, glm::vec3(1.0f, 0.5f, 0.2f)));
+  scene.environment(glm::vec3(1.0f));
+  Hits hits(scene);
+  EXPECT_EQ(hits.shade({0, 0, 0}, {0, -1, 0}, true), hits.shade({0, 0, 0}, {0, -1, 0}, true));
+}
+
+}  // namespace
+}  // namespace sideray::rt::light_around_test
