@@ -13,10 +13,10 @@ namespace {
 constexpr std::array<float, 3> spline{0.25f, 0.5f, 0.25f};
 constexpr std::array<uint32_t, 2> smooth_steps{1, 2};
 constexpr std::array<uint32_t, 4> light_steps{1, 2, 4, 8};
-constexpr float reach = 0.5f;          // of the harmonic mean distance
-constexpr float least_reach = 8.0f;    // widths of a pixel: noise is worse than what may leak so far
-constexpr float off_plane = 1.0f;      // widths of a pixel, per pixel apart
-constexpr float same_normal = 0.8f;    // cosine, where the weight is 0
+constexpr float reach = 0.5f;        // of the harmonic mean distance
+constexpr float least_reach = 8.0f;  // widths of a pixel: noise is worse than what may leak so far
+constexpr float off_plane = 1.0f;    // widths of a pixel, per pixel apart
+constexpr float same_normal = 0.8f;  // cosine, where the weight is 0
 
 // Weight of a cell for another that many cells apart: 1 on the same plane.
 float likeness(const CellPlace& a, const CellPlace& b, glm::vec3 apart, float cells) {
@@ -45,6 +45,33 @@ void for_taps(const IrradianceCells& cells, uint32_t x, uint32_t y, uint32_t ste
       const float like = likeness(place, there, apart, static_cast<float>(step));
       if (like > 0.0f) visit(other, tap * like, glm::length(apart));
     }
+}
+
+// Returns the mean of the cells about a pixel that shows `position`, mostly of those on its plane, and 1; 0 where there is
+// none.
+glm::vec4 light_at(const IrradianceCells& cells, const std::vector<glm::vec4>& lights, glm::uvec2 pixel,
+                   glm::vec3 position) {
+  const glm::ivec2 own(pixel / cell_side), last(static_cast<int>(cells.columns) - 1, static_cast<int>(cells.rows) - 1);
+  const glm::vec2 place = (glm::vec2(pixel) + 0.5f) / static_cast<float>(cell_side);
+  for (int ring = 1; ring <= 2; ++ring) {
+    const glm::ivec2 from = glm::max(own - ring, 0), to = glm::min(own + ring, last);
+    const float beyond = 1.5f * static_cast<float>(ring);
+    glm::vec3 sum(0.0f);
+    float weights = 0.0f;
+    for (int v = from.y; v <= to.y; ++v)
+      for (int u = from.x; u <= to.x; ++u) {
+        const size_t cell = static_cast<size_t>(v) * cells.columns + static_cast<size_t>(u);
+        const CellPlace& there = cells.places[cell];
+        if (!(there.width > 0.0f) || !(lights[cell].w > 0.0f)) continue;
+        const glm::vec2 near = glm::max(beyond - glm::abs(place - (glm::vec2(u, v) + 0.5f)), 0.0f);
+        const float off = std::abs(glm::dot(there.normal, position - there.position)) / (2.0f * there.width);
+        const float weight = near.x * near.y * std::max(1.0f - off, 1e-5f);
+        sum += weight * glm::vec3(lights[cell]);
+        weights += weight;
+      }
+    if (weights > 0.0f) return glm::vec4(sum / weights, 1.0f);
+  }
+  return glm::vec4(0.0f);
 }
 
 }  // namespace
@@ -91,51 +118,49 @@ void IrradianceFilter::pass(const IrradianceCells& cells, uint32_t step, Executo
   std::swap(light_, next_);
 }
 
-void IrradianceFilter::apply(const IrradianceRequest& r, const IrradianceCells& cells, Executor& executor,
-                             IrradianceImage& image) {
+void IrradianceFilter::begin(const IrradianceCells& cells) {
   const size_t count = cells.size();
   light_.resize(count), next_.resize(count), smooth_.resize(count), next_smooth_.resize(count);
   for (size_t i = 0; i < count; ++i) smooth_[i] = {cells.lights[i].nearness, cells.lights[i].open};
-  if (r.denoise)
-    for (const uint32_t step : smooth_steps) smooth(cells, step, executor);
-  for (size_t i = 0; i < count; ++i) {
+}
+
+// Takes the control variate off: what the mask of the sky says already.
+void IrradianceFilter::take_mean_sky(const IrradianceCells& cells) {
+  for (size_t i = 0; i < cells.size(); ++i) {
     const CellLight& light = cells.lights[i];
     light_[i] = glm::vec4(light.light - light.tint * smooth_[i].y, light.samples);
   }
-  if (r.denoise)
-    for (const uint32_t step : light_steps) pass(cells, step, executor);
+}
+
+void IrradianceFilter::spread(const IrradianceRequest& r, const IrradianceCells& cells, Executor& executor,
+                              IrradianceImage& image) {
   const FrameCamera camera(r.view, r.width, r.height);
   fill_depths(executor, r.depth, camera, depths_);
   image.light.resize(size_t{4} * r.width * r.height);
   executor.run(r.height, [&](size_t row, uint32_t) {
-    const auto y = static_cast<uint32_t>(row);
     for (uint32_t x = 0; x < r.width; ++x) {
       const size_t texel = row * r.width + x;
-      const float depth = depths_[texel];
-      glm::vec3 sum(0.0f);
-      float weights = 0.0f;
-      if (depth > 0.0f) {
-        const glm::dvec2 pixel(x, y);
-        const glm::vec3 position(camera.origin_at(pixel) + static_cast<double>(depth) * camera.ray_at(pixel));
-        const int cx = static_cast<int>(x / cell_side), cy = static_cast<int>(y / cell_side);
-        for (int ring = 1; ring <= 2 && !(weights > 0.0f); ++ring)
-          for (int v = std::max(cy - ring, 0); v <= std::min(cy + ring, static_cast<int>(cells.rows) - 1); ++v)
-            for (int u = std::max(cx - ring, 0); u <= std::min(cx + ring, static_cast<int>(cells.columns) - 1); ++u) {
-              const size_t cell = static_cast<size_t>(v) * cells.columns + static_cast<size_t>(u);
-              const CellPlace& place = cells.places[cell];
-              if (!(place.width > 0.0f) || !(light_[cell].w > 0.0f)) continue;
-              const float dx = (static_cast<float>(x) + 0.5f) / cell_side - (static_cast<float>(u) + 0.5f);
-              const float dy = (static_cast<float>(y) + 0.5f) / cell_side - (static_cast<float>(v) + 0.5f);
-              const float near = std::max(1.5f * static_cast<float>(ring) - std::abs(dx), 0.0f) * std::max(1.5f * static_cast<float>(ring) - std::abs(dy), 0.0f);
-              const float off = std::abs(glm::dot(place.normal, position - place.position)) / (2.0f * place.width);
-              const float w = near * std::max(1.0f - off, 1e-5f);
-              sum += w * glm::vec3(light_[cell]);
-              weights += w;
-            }
+      const double depth = depths_[texel];
+      glm::vec4 light(0.0f);
+      if (depth > 0.0) {
+        const glm::dvec2 pixel(x, row);
+        const glm::vec3 position(camera.origin_at(pixel) + depth * camera.ray_at(pixel));
+        light = light_at(cells, light_, glm::uvec2(x, row), position);
       }
-      store_rgba(&image.light[4 * texel], weights > 0.0f ? sum / weights : glm::vec3(0.0f), weights > 0.0f ? 1.0f : 0.0f);
+      store_rgba(&image.light[4 * texel], glm::vec3(light), light.w);
     }
   });
+}
+
+void IrradianceFilter::apply(const IrradianceRequest& r, const IrradianceCells& cells, Executor& executor,
+                             IrradianceImage& image) {
+  begin(cells);
+  if (r.denoise)
+    for (const uint32_t step : smooth_steps) smooth(cells, step, executor);
+  take_mean_sky(cells);
+  if (r.denoise)
+    for (const uint32_t step : light_steps) pass(cells, step, executor);
+  spread(r, cells, executor, image);
 }
 
 }  // namespace sideray::rt

@@ -15,14 +15,17 @@ namespace sideray::rt {
 
 class IrradianceFilter {
  public:
-  // Writes the image from the cells. `pixels` are those that were traced. Same bits for any thread count.
+  // Writes the image from the cells. Same bits for any thread count.
   void apply(const IrradianceRequest& request, const IrradianceCells& cells, Executor& executor, IrradianceImage& image);
 
  private:
+  void begin(const IrradianceCells& cells);
   void smooth(const IrradianceCells& cells, uint32_t step, Executor& executor);
+  void take_mean_sky(const IrradianceCells& cells);
   void pass(const IrradianceCells& cells, uint32_t step, Executor& executor);
+  void spread(const IrradianceRequest& request, const IrradianceCells& cells, Executor& executor, IrradianceImage& image);
 
-  std::vector<glm::vec4> light_, next_;  // w: weight
+  std::vector<glm::vec4> light_, next_;          // w: weight
   std::vector<glm::vec2> smooth_, next_smooth_;  // CellLight's nearness and open
   std::vector<float> depths_;
 };

@@ -1,9 +1,7 @@
 #include "rt/irradiance/irradiance_tracing.h"
 
 #include <algorithm>
-#include <atomic>
 
-#include "model/failure.h"
 #include "model/stopwatch.h"
 #include "rt/base/sampling.h"
 #include "rt/history/still_frames.h"
@@ -12,8 +10,8 @@
 #include "rt/layers/frame_tiles.h"
 #include "rt/layers/layer_tracer.h"
 #include "rt/masks/depth_points.h"
+#include "rt/light/light_tiles.h"
 #include "rt/masks/mask_rays.h"
-#include "rt/reach/wanted_tiles.h"
 #include "rt/shading/host_shader.h"
 #include "rt/textures/environment_lookup.h"
 
@@ -32,32 +30,7 @@ FrameKey key_of(const IrradianceRequest& r) {
     uint32_t denoise, exact;
   };
   const Inputs inputs{r.denoise, !r.points.empty()};
-  FrameKey key;
-  key.inputs = bytes_through(&Inputs::exact, inputs);
-  key.view = r.view;
-  key.width = r.width;
-  key.height = r.height;
-  key.format = r.depth.format;
-  key.seed = r.seed;
-  key.shadows = r.shadows;
-  key.subpixel = r.subpixel;
-  return key;
-}
-
-MaskRequest depth_request(const IrradianceRequest& r) {
-  MaskRequest request{};
-  request.view = r.view;
-  request.width = r.width, request.height = r.height;
-  request.depth = r.depth;
-  request.subpixel = r.subpixel;
-  request.points = r.points;
-  return request;
-}
-
-void check(const IrradianceRequest& r) {
-  if (r.width == 0 || r.height == 0 || r.width > 65535 || r.height > 65535)
-    fail(SIDERAY_INVALID_ARGUMENT, "irradiance of {}x{}: each side must be 1 to 65535", r.width, r.height);
-  if (!r.depth.texels) fail(SIDERAY_INVALID_ARGUMENT, "irradiance: no depth; give a depth buffer");
+  return frame_key(r, bytes_through(&Inputs::exact, inputs));
 }
 
 glm::vec3 of_mean_one(glm::vec3 colour) {
@@ -208,7 +181,7 @@ Counters IrradianceTracing::keep(IrradianceHistory& history, const IrradianceReq
 }
 
 Counters IrradianceTracing::trace(const IrradianceRequest& r, TracedScene& scene, IrradianceImage& image) {
-  check(r);
+  check_light(r, "irradiance");
   const auto hash = [&] { return StillFrames::Hashes{hash_depth(scene.executor(), r.depth, r.width, r.height, 0), {}}; };
   image.changed = !(r.still && r.still->begin(key_of(r), r.sequence, scene.committed(), hash) &&
                     image.width == r.width && image.height == r.height);
@@ -229,30 +202,17 @@ Counters IrradianceTracing::trace(const IrradianceRequest& r, TracedScene& scene
   const uint32_t seed = is_later ? random_key({r.seed, history->frame()}) : r.seed;
   const SkyDirections* sky = scene.sky().black() ? nullptr : &scene.sky();
   const Frame frame{r, view, scene.shading(), scene.intersector(), history, seed, tile_count(r.width), sky};
-  const size_t tiles = size_t{frame.columns} * tile_count(r.height);
-  std::vector<uint32_t> order;
-  if (is_bounded(r.work)) order = order_of_importance(frame.columns, tile_count(r.height));
-  if (is_bounded(r.work) && history) order_by_turns(history->turns(), order);
-  WorkClock clock(r.work);
-  std::atomic<size_t> next{0};
-  TileReach* reach = r.wanted ? r.wanted->reach.get() : nullptr;
-  if (reach) reach->fit(r.view, r.width, r.height, r.depth);
-  scene.executor().run(tiles, [&](size_t numbered, uint32_t thread) {
-    if (r.cancelled && r.cancelled->load()) return;
-    const size_t number = order.empty() ? numbered : next++;
-    const auto tile = order.empty() ? static_cast<uint32_t>(numbered) : order[number];
-    Worker& worker = workers_[thread];
-    find_places(frame, worker, tile);
-    if (!traced.empty() && !traced[tile]) return;
-    if (history) history->look_back(tile, pixels_, cells_);
-    const bool is_traced = clock.run(number, [&] {
-      Following rays(r.wanted && r.wanted->has(tile) ? reach : nullptr, Following::Rays::of_reflections);
-      trace_tile(frame, worker, tile);
-      rays.add_to(tile);
-    });
-    if (history && is_traced) history->traced(tile);
-    if (!is_traced) count_left(frame, worker, tile);
-  });
+  for_light_tiles(
+      r, scene.executor(), history ? std::span(history->turns()) : std::span<const uint32_t>(), traced,
+      [&](uint32_t tile, uint32_t thread) {
+        find_places(frame, workers_[thread], tile);
+        if (history) history->look_back(tile, pixels_, cells_);
+      },
+      [&](uint32_t tile, uint32_t thread) { trace_tile(frame, workers_[thread], tile); },
+      [&](uint32_t tile, uint32_t thread, bool is_traced) {
+        if (history && is_traced) history->traced(tile);
+        if (!is_traced) count_left(frame, workers_[thread], tile);
+      });
   if (history && !(r.cancelled && r.cancelled->load())) history->end(cells_);
   Counters sum;
   for (const Worker& worker : workers_) sum += worker.counters;
