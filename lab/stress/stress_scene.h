@@ -6,6 +6,7 @@
 #include <span>
 
 #include "lab/stress/stress.h"
+#include "scenes/images/images.h"
 
 namespace sideray::lab {
 
@@ -58,6 +59,12 @@ class Planes {
   const Picture& picture_;
 };
 
+// Returns the picture's colours in linear light.
+scenes::Image image_of(const Picture& picture);
+
+// Returns the mean FLIP of a picture.
+double flip(const scenes::Image& test, const scenes::Image& reference);
+
 FailureMap map_of(const StressStage& stage);
 
 // Returns the values of a sweep.
@@ -82,5 +89,6 @@ std::vector<StressRow> ray_layers_case(StressStage& stage);
 std::vector<StressRow> broken_triangles_case(StressStage& stage);
 std::vector<StressRow> late_glass_case(StressStage& stage);
 std::vector<StressRow> budget_case(StressStage& stage);
+std::vector<StressRow> bounce_case(StressStage& stage);
 
 }  // namespace sideray::lab
