@@ -22,7 +22,7 @@ constexpr double visible = 0.01;                  // FLIP
 
 struct Method {
   const char* variant;
-  int32_t ambient;
+  sideray_ambient ambient;
   bool is_default;
 };
 constexpr std::array<Method, 2> methods{{{"--ambient bounce", SIDERAY_AMBIENT_BOUNCE, true},
@@ -97,18 +97,14 @@ sideray_camera above(double x, double distance) {
 }
 
 scenes::Image draw(StressStage& stage, Rooms& rooms, const sideray_camera& camera, const Method& method, uint32_t frame) {
-  RenderOptions options = sequence_options(stage);
-  options.picture.ambient = method.ambient;
+  RenderOptions options = sequence_options(stage, method.ambient);
   set_frame(options, frame, frame > 0);
   return image_of(stage.renderer.render(rooms.scene, camera, options).value());
 }
 
 // By paths of all bounces.
 scenes::Image truth_of(StressStage& stage, Rooms& rooms, const sideray_camera& camera) {
-  RenderOptions options = sequence_options(stage);
-  options.picture.ambient = SIDERAY_AMBIENT_OFF;
-  options.picture.reflections = 0;
-  options.picture.taa = 0;
+  RenderOptions options = picture_options(stage, SIDERAY_SHADOWS_INEXACT);
   options.picture.samples = 16;
   options.translucency.reset();
   options.reference = sideray_reference_defaults();

@@ -80,12 +80,12 @@ RenderOptions picture_options(const StressStage& stage, sideray_shadows shadows,
   return options;
 }
 
-RenderOptions sequence_options(const StressStage& stage) {
+RenderOptions sequence_options(const StressStage& stage, sideray_ambient ambient) {
   RenderOptions options;
   options.picture.width = stage.width;
   options.picture.height = stage.height;
   options.picture.repeats = 0;
-  options.picture.ambient = SIDERAY_AMBIENT_AO;
+  options.picture.ambient = ambient;
   options.picture.reflections = 1;
   options.picture.taa = 1;
   return options;

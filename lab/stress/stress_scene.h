@@ -41,7 +41,7 @@ RenderOptions picture_options(const StressStage& stage, sideray_shadows shadows 
                               sideray_translucency translucency = SIDERAY_TRANSLUCENCY_HYBRID);
 
 // Returns the options of a frame of a sequence: all as the program has them, but for its size and times.
-RenderOptions sequence_options(const StressStage& stage);
+RenderOptions sequence_options(const StressStage& stage, sideray_ambient ambient = SIDERAY_AMBIENT_AO);
 
 // Makes them those of the frame of this number.
 void set_frame(RenderOptions& options, uint32_t frame, bool continues);
