@@ -15,6 +15,7 @@ struct LightImage {
   const char* what;
   uint32_t width, height;
   const uint16_t* halfs;
+  bool changed;  // since it was uploaded last
 };
 
 class LightTexture {

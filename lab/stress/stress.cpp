@@ -38,7 +38,9 @@ const std::vector<StressCase>& stress_cases() {
       {"late-glass", "a pane that moves while its layers are a frame late: whether fragments find their own colours",
        late_glass_case},
       {"budget", "lamps, occluders, glass, smoke, wind, cuts and sizes that change under a budget: how wrong pictures get, and how long",
-       budget_case}};
+       budget_case},
+      {"bounce", "light that bounces, beside paths: a lamp, a door and a box that change, a wall of 1 cm, a camera that moves",
+       bounce_case}};
   return cases;
 }
 

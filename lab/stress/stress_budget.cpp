@@ -8,7 +8,6 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <sideray/diagnostics.h>
 
-#include "lab/metrics/metrics.h"
 #include "lab/stress/stress_scene.h"
 
 namespace sideray::lab {
@@ -151,15 +150,7 @@ scenes::Image draw(StressStage& stage, World& world, uint32_t frame) {
   diagnostics.budget_pieces = world.pieces;
   options.picture.diagnostics = &diagnostics;
   world.continues = true;
-  const Picture picture =
-      stage.renderer.render(world.scene, camera_at(world.world_from_camera, 50.0, 0.1), options).value();
-  const Planes planes(picture);
-  scenes::Image image{picture.width(), picture.height(), {}, true};
-  for (const char* name : {"R", "G", "B"}) {
-    const float* values = planes.floats(name);
-    image.planes.push_back({name, scenes::Plane::Type::half, {values, values + planes.pixels()}, {}});
-  }
-  return image;
+  return image_of(stage.renderer.render(world.scene, camera_at(world.world_from_camera, 50.0, 0.1), options).value());
 }
 
 // A world before a change, while it happens, and at rest after it.
@@ -185,10 +176,6 @@ Play play(StressStage& stage, World world, const Change& change, uint32_t frames
     seen.after.push_back(draw(stage, world, frame++));
   }
   return seen;
-}
-
-double flip(const scenes::Image& a, const scenes::Image& b) {
-  return compare(a, b).metrics.flip.value();
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "lab/stress/stress_scene.h"
 
+#include "lab/metrics/metrics.h"
 #include "scenes/base/files.h"
 
 namespace sideray::lab {
@@ -79,12 +80,12 @@ RenderOptions picture_options(const StressStage& stage, sideray_shadows shadows,
   return options;
 }
 
-RenderOptions sequence_options(const StressStage& stage) {
+RenderOptions sequence_options(const StressStage& stage, sideray_ambient ambient) {
   RenderOptions options;
   options.picture.width = stage.width;
   options.picture.height = stage.height;
   options.picture.repeats = 0;
-  options.picture.ambient = SIDERAY_AMBIENT_AO;
+  options.picture.ambient = ambient;
   options.picture.reflections = 1;
   options.picture.taa = 1;
   return options;
@@ -105,6 +106,20 @@ const float* Planes::floats(const std::string& name) const {
 }
 const uint32_t* Planes::whole(const std::string& name) const {
   return static_cast<const uint32_t*>(find(name));
+}
+
+scenes::Image image_of(const Picture& picture) {
+  const Planes planes(picture);
+  scenes::Image image{picture.width(), picture.height(), {}, true};
+  for (const char* name : {"R", "G", "B"}) {
+    const float* values = planes.floats(name);
+    image.planes.push_back({name, scenes::Plane::Type::half, {values, values + planes.pixels()}, {}});
+  }
+  return image;
+}
+
+double flip(const scenes::Image& test, const scenes::Image& reference) {
+  return compare(test, reference).metrics.flip.value();
 }
 
 FailureMap map_of(const StressStage& stage) {

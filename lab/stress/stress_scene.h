@@ -6,6 +6,7 @@
 #include <span>
 
 #include "lab/stress/stress.h"
+#include "scenes/images/images.h"
 
 namespace sideray::lab {
 
@@ -40,7 +41,7 @@ RenderOptions picture_options(const StressStage& stage, sideray_shadows shadows 
                               sideray_translucency translucency = SIDERAY_TRANSLUCENCY_HYBRID);
 
 // Returns the options of a frame of a sequence: all as the program has them, but for its size and times.
-RenderOptions sequence_options(const StressStage& stage);
+RenderOptions sequence_options(const StressStage& stage, sideray_ambient ambient = SIDERAY_AMBIENT_AO);
 
 // Makes them those of the frame of this number.
 void set_frame(RenderOptions& options, uint32_t frame, bool continues);
@@ -57,6 +58,12 @@ class Planes {
   const void* find(const std::string& name) const;
   const Picture& picture_;
 };
+
+// Returns the picture's colours in linear light.
+scenes::Image image_of(const Picture& picture);
+
+// Returns the mean FLIP of a picture.
+double flip(const scenes::Image& test, const scenes::Image& reference);
 
 FailureMap map_of(const StressStage& stage);
 
@@ -82,5 +89,6 @@ std::vector<StressRow> ray_layers_case(StressStage& stage);
 std::vector<StressRow> broken_triangles_case(StressStage& stage);
 std::vector<StressRow> late_glass_case(StressStage& stage);
 std::vector<StressRow> budget_case(StressStage& stage);
+std::vector<StressRow> bounce_case(StressStage& stage);
 
 }  // namespace sideray::lab

@@ -53,16 +53,6 @@ void move_card(Stage& stage, double x) {
   stage.scene.commit();
 }
 
-scenes::Image image_of(const Picture& picture) {
-  const Planes planes(picture);
-  scenes::Image image{picture.width(), picture.height(), {}, true};
-  for (const char* name : {"R", "G", "B"}) {
-    const float* values = planes.floats(name);
-    image.planes.push_back({name, scenes::Plane::Type::half, {values, values + planes.pixels()}, {}});
-  }
-  return image;
-}
-
 struct InTime {
   Settling settling;
   double change = 0;  // root mean square from a frame to the next, at rest

@@ -2,6 +2,8 @@
 // same time.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -15,7 +17,14 @@ inline constexpr uint32_t cell_side = 2;  // pixels
 struct CellPlace {
   glm::vec3 position{0.0f}, normal{0.0f};
   float width = 0.0f;  // of a pixel there, world units; 0: nothing is drawn
+  float skip = 0.0f;   // as in DepthPoint
 };
+
+// How well a position lies on the plane of a cell: 1, or 0 and less where it is on another.
+inline float plane_share(const CellPlace& place, glm::vec3 position) {
+  constexpr float off_plane = 2.0f;  // widths of a pixel
+  return 1.0f - std::abs(glm::dot(place.normal, position - place.position)) / (off_plane * place.width);
+}
 
 // Means over a cell's samples.
 struct CellLight {
@@ -25,7 +34,12 @@ struct CellLight {
   glm::vec3 tint{0.0f};
   float open = 0.0f;      // share of those directions in which the sky is seen
   float nearness = 0.0f;  // 1 / distance of what paths hit first
+  // The largest 1 / distance of that along the surface: to a wall on a floor, wherever it is hit. It fades, since the cell may
+  // have moved along.
+  float most_near = 0.0f;
   float samples = 0.0f;   // how many there are
+
+  static constexpr float fading = 0.97f;
 
   void add(const CellLight& sample) {
     samples += 1.0f;
@@ -34,8 +48,18 @@ struct CellLight {
     tint += (sample.tint - tint) * share;
     open += (sample.open - open) * share;
     nearness += (sample.nearness - nearness) * share;
+    most_near = std::max(most_near * fading, sample.most_near);
   }
 };
+
+// How much a cell may take the light of another for its own that many cells away: 1 on the same plane, 0 on another surface.
+inline float likeness(const CellPlace& a, const CellPlace& b, glm::vec3 apart, float cells) {
+  constexpr float off_plane = 1.0f;    // widths of a pixel, per pixel apart
+  constexpr float same_normal = 0.8f;  // cosine, where the weight is 0
+  const float off = std::abs(glm::dot(a.normal, apart)) / (off_plane * a.width * static_cast<float>(cell_side) * cells);
+  const float turned = (glm::dot(a.normal, b.normal) - same_normal) / (1.0f - same_normal);
+  return std::max(1.0f - off, 0.0f) * std::max(turned, 0.0f);
+}
 
 struct IrradianceCells {
   uint32_t columns = 0, rows = 0;

@@ -5,33 +5,23 @@
 #include <cmath>
 
 #include "rt/base/half_bits.h"
-#include "rt/history/frame_camera.h"
 
 namespace sideray::rt {
 namespace {
 
 constexpr std::array<float, 3> spline{0.25f, 0.5f, 0.25f};
-constexpr std::array<uint32_t, 2> smooth_steps{1, 2};
-constexpr std::array<uint32_t, 4> light_steps{1, 2, 4, 8};
-constexpr float reach = 0.5f;          // of the harmonic mean distance
-constexpr float least_reach = 8.0f;    // widths of a pixel: noise is worse than what may leak so far
-constexpr float off_plane = 1.0f;      // widths of a pixel, per pixel apart
-constexpr float same_normal = 0.8f;    // cosine, where the weight is 0
-
-// Weight of a cell for another that many cells apart: 1 on the same plane.
-float likeness(const CellPlace& a, const CellPlace& b, glm::vec3 apart, float cells) {
-  const float off = std::abs(glm::dot(a.normal, apart)) / (off_plane * a.width * static_cast<float>(cell_side) * cells);
-  const float turned = (glm::dot(a.normal, b.normal) - same_normal) / (1.0f - same_normal);
-  return std::max(1.0f - off, 0.0f) * std::max(turned, 0.0f);
-}
-
+constexpr size_t smooth_steps = 2, light_steps = 4;  // of CellWalls::steps
+constexpr float reach = 0.5f;        // of the harmonic mean distance
+constexpr float least_reach = 8.0f;  // widths of a pixel: noise is worse than what may leak so far
+// Calls visit(cell, weight, distance) for a cell and those about it, CellWalls::steps[number] apart, whose light may be its own.
 template <typename Visit>
-void for_taps(const IrradianceCells& cells, uint32_t x, uint32_t y, uint32_t step, const Visit& visit) {
+void for_taps(const IrradianceCells& cells, const CellWalls& walls, uint32_t x, uint32_t y, size_t number, const Visit& visit) {
+  const int64_t step = CellWalls::steps[number];
   const size_t own = size_t{y} * cells.columns + x;
   const CellPlace& place = cells.places[own];
   for (int j = -1; j <= 1; ++j)
     for (int i = -1; i <= 1; ++i) {
-      const int64_t u = int64_t{x} + i * int64_t{step}, v = int64_t{y} + j * int64_t{step};
+      const int64_t u = x + i * step, v = y + j * step;
       if (u < 0 || v < 0 || u >= cells.columns || v >= cells.rows) continue;
       const size_t other = static_cast<size_t>(v) * cells.columns + static_cast<size_t>(u);
       const CellPlace& there = cells.places[other];
@@ -43,13 +33,13 @@ void for_taps(const IrradianceCells& cells, uint32_t x, uint32_t y, uint32_t ste
       }
       const glm::vec3 apart = there.position - place.position;
       const float like = likeness(place, there, apart, static_cast<float>(step));
-      if (like > 0.0f) visit(other, tap * like, glm::length(apart));
+      if (like > 0.0f && !walls.stands(own, i, j, number)) visit(other, tap * like, glm::length(apart));
     }
 }
 
 }  // namespace
 
-void IrradianceFilter::smooth(const IrradianceCells& cells, uint32_t step, Executor& executor) {
+void IrradianceFilter::smooth(const IrradianceCells& cells, size_t number, Executor& executor) {
   executor.run(cells.rows, [&](size_t row, uint32_t) {
     const auto y = static_cast<uint32_t>(row);
     for (uint32_t x = 0; x < cells.columns; ++x) {
@@ -58,7 +48,7 @@ void IrradianceFilter::smooth(const IrradianceCells& cells, uint32_t step, Execu
       if (!(cells.places[own].width > 0.0f)) continue;
       glm::vec2 sum(0.0f);
       float weights = 0.0f;
-      for_taps(cells, x, y, step, [&](size_t cell, float weight, float) {
+      for_taps(cells, walls_, x, y, number, [&](size_t cell, float weight, float) {
         const float w = weight * cells.lights[cell].samples;
         sum += w * smooth_[cell];
         weights += w;
@@ -69,19 +59,17 @@ void IrradianceFilter::smooth(const IrradianceCells& cells, uint32_t step, Execu
   std::swap(smooth_, next_smooth_);
 }
 
-void IrradianceFilter::pass(const IrradianceCells& cells, uint32_t step, Executor& executor) {
+void IrradianceFilter::pass(const IrradianceCells& cells, size_t number, Executor& executor) {
   executor.run(cells.rows, [&](size_t row, uint32_t) {
     const auto y = static_cast<uint32_t>(row);
     for (uint32_t x = 0; x < cells.columns; ++x) {
       const size_t own = row * cells.columns + x;
       next_[own] = light_[own];
       if (!(cells.places[own].width > 0.0f)) continue;
-      const float nearest = 1.0f / (least_reach * cells.places[own].width);
       glm::vec3 sum(0.0f);
       float weights = 0.0f;
-      for_taps(cells, x, y, step, [&](size_t cell, float weight, float distance) {
-        const float far = distance * std::min(std::max(smooth_[own].x, smooth_[cell].x) / reach, nearest);
-        const float w = weight * std::max(1.0f - far, 0.0f) * light_[cell].w;
+      for_taps(cells, walls_, x, y, number, [&](size_t cell, float weight, float distance) {
+        const float w = weight * nearby(cells, own, cell, distance) * light_[cell].w;
         sum += w * glm::vec3(light_[cell]);
         weights += w;
       });
@@ -91,54 +79,74 @@ void IrradianceFilter::pass(const IrradianceCells& cells, uint32_t step, Executo
   std::swap(light_, next_);
 }
 
-void IrradianceFilter::apply(const IrradianceRequest& r, const IrradianceCells& cells, Executor& executor,
-                             IrradianceImage& image) {
+// How much of the light at a cell is that of another at a distance, by how near what throws it is: 1 to 0.
+float IrradianceFilter::nearby(const IrradianceCells& cells, size_t own, size_t other, float distance) const {
+  const float nearest = 1.0f / (least_reach * cells.places[own].width);
+  return std::max(1.0f - distance * std::min(std::max(smooth_[own].x, smooth_[other].x) / reach, nearest), 0.0f);
+}
+
+void IrradianceFilter::begin(const IrradianceCells& cells) {
   const size_t count = cells.size();
   light_.resize(count), next_.resize(count), smooth_.resize(count), next_smooth_.resize(count);
   for (size_t i = 0; i < count; ++i) smooth_[i] = {cells.lights[i].nearness, cells.lights[i].open};
-  if (r.denoise)
-    for (const uint32_t step : smooth_steps) smooth(cells, step, executor);
-  for (size_t i = 0; i < count; ++i) {
+}
+
+// Takes the control variate off: what the mask of the sky says already.
+void IrradianceFilter::take_mean_sky(const IrradianceCells& cells) {
+  for (size_t i = 0; i < cells.size(); ++i) {
     const CellLight& light = cells.lights[i];
     light_[i] = glm::vec4(light.light - light.tint * smooth_[i].y, light.samples);
   }
-  if (r.denoise)
-    for (const uint32_t step : light_steps) pass(cells, step, executor);
+}
+
+void IrradianceFilter::spread(const IrradianceRequest& r, const IrradianceCells& cells, const Intersector& intersector,
+                              Executor& executor, IrradianceImage& image) {
   const FrameCamera camera(r.view, r.width, r.height);
   fill_depths(executor, r.depth, camera, depths_);
+  rows_.resize(executor.threads());
+  const CellsToSpread from{cells, walls_, light_};
   image.light.resize(size_t{4} * r.width * r.height);
-  executor.run(r.height, [&](size_t row, uint32_t) {
-    const auto y = static_cast<uint32_t>(row);
+  executor.run(r.height, [&](size_t y, uint32_t worker) {
+    PixelRow& row = rows_[worker];
+    row.find(camera, from, intersector, &depths_[y * r.width], r.width, static_cast<uint32_t>(y));
     for (uint32_t x = 0; x < r.width; ++x) {
-      const size_t texel = row * r.width + x;
-      const float depth = depths_[texel];
-      glm::vec3 sum(0.0f);
-      float weights = 0.0f;
-      if (depth > 0.0f) {
-        const glm::dvec2 pixel(x, y);
-        const glm::vec3 position(camera.origin_at(pixel) + static_cast<double>(depth) * camera.ray_at(pixel));
-        const int cx = static_cast<int>(x / cell_side), cy = static_cast<int>(y / cell_side);
-        for (int ring = 1; ring <= 2 && !(weights > 0.0f); ++ring)
-          for (int v = std::max(cy - ring, 0); v <= std::min(cy + ring, static_cast<int>(cells.rows) - 1); ++v)
-            for (int u = std::max(cx - ring, 0); u <= std::min(cx + ring, static_cast<int>(cells.columns) - 1); ++u) {
-              const size_t cell = static_cast<size_t>(v) * cells.columns + static_cast<size_t>(u);
-              const CellPlace& place = cells.places[cell];
-              if (!(place.width > 0.0f) || !(light_[cell].w > 0.0f)) continue;
-              const float dx = (static_cast<float>(x) + 0.5f) / cell_side - (static_cast<float>(u) + 0.5f);
-              const float dy = (static_cast<float>(y) + 0.5f) / cell_side - (static_cast<float>(v) + 0.5f);
-              const float near = std::max(1.5f * static_cast<float>(ring) - std::abs(dx), 0.0f) * std::max(1.5f * static_cast<float>(ring) - std::abs(dy), 0.0f);
-              const float off = std::abs(glm::dot(place.normal, position - place.position)) / (2.0f * place.width);
-              const float w = near * std::max(1.0f - off, 1e-5f);
-              sum += w * glm::vec3(light_[cell]);
-              weights += w;
-            }
-      }
+      const glm::vec4 light = row.light(from, x);
+      uint16_t* texel = &image.light[4 * (y * r.width + x)];
       // A channel is negative where the mask of the sky, which has one, says too much.
-      const glm::vec3 light = weights > 0.0f ? sum / weights : glm::vec3(0.0f);
-      for (int c = 0; c < 3; ++c) image.light[4 * texel + static_cast<size_t>(c)] = signed_half_bits(light[c]);
-      image.light[4 * texel + 3] = half_bits(weights > 0.0f ? 1.0f : 0.0f);
+      for (int c = 0; c < 3; ++c) texel[c] = signed_half_bits(light[c]);
+      texel[3] = half_bits(light.w);
     }
   });
+}
+
+// Looks for walls between cells that are a few apart, as far as light is shared.
+void IrradianceFilter::look_for_walls(const IrradianceCells& cells, size_t number, const Intersector& intersector,
+                                      Executor& executor) {
+  const auto step = static_cast<float>(CellWalls::steps[number]);
+  walls_.look(number, intersector, executor, [&](size_t a, size_t b, glm::vec3 apart) {
+    const CellPlace &from = cells.places[a], &to = cells.places[b];
+    if (!(likeness(from, to, apart, step) > 0.0f || likeness(to, from, apart, step) > 0.0f)) return false;
+    if (!(cells.lights[a].samples + cells.lights[b].samples > 0.0f)) return false;
+    // The first steps come before the harmonic mean distance is known.
+    const float distance = glm::length(apart);
+    return number < smooth_steps || nearby(cells, a, b, distance) > 0.0f || nearby(cells, b, a, distance) > 0.0f;
+  });
+}
+
+void IrradianceFilter::apply(const IrradianceRequest& r, const IrradianceCells& cells, TracedScene& scene,
+                             IrradianceImage& image) {
+  Executor& executor = scene.executor();
+  begin(cells);
+  walls_.begin(cells, executor);
+  for (size_t number = 0; number < smooth_steps; ++number) look_for_walls(cells, number, scene.intersector(), executor);
+  if (r.denoise)
+    for (size_t number = 0; number < smooth_steps; ++number) smooth(cells, number, executor);
+  take_mean_sky(cells);
+  for (size_t number = 0; r.denoise && number < light_steps; ++number) {
+    if (number >= smooth_steps) look_for_walls(cells, number, scene.intersector(), executor);
+    pass(cells, number, executor);
+  }
+  spread(r, cells, scene.intersector(), executor, image);
 }
 
 }  // namespace sideray::rt

@@ -8,6 +8,8 @@
 
 #include "model/snapshot.h"
 #include "rt/history/pixel_trail.h"
+#include "rt/embree/intersector.h"
+#include "rt/irradiance/cell_walls.h"
 #include "rt/irradiance/irradiance_cells.h"
 #include "rt/irradiance/irradiance_request.h"
 #include "rt/scene/traced_scene.h"
@@ -30,8 +32,16 @@ class IrradianceHistory {
   // In which frame each tile was traced last, 0 = never.
   const std::vector<uint32_t>& turns() const { return turns_; }
   void traced(size_t tile) { turns_[tile] = number_; }
-  // Writes what is known of the cells of a tile whose places are known: no samples where nothing is.
-  void look_back(size_t tile, const std::vector<glm::u16vec2>& pixels, IrradianceCells& cells) const;
+  // Memory of a thread that looks back.
+  struct Scratch {
+    std::vector<Ray> rays;
+    std::vector<uint32_t> cells;
+    std::vector<uint8_t> occluded;
+  };
+  // Writes what is known of the cells of a tile whose places are known: no samples where nothing is, or where something stands
+  // between the place and the one that is known. `walls`: of the frame before.
+  void look_back(size_t tile, const std::vector<glm::u16vec2>& pixels, const CellWalls& walls, const Intersector& intersector,
+                 Scratch& scratch, IrradianceCells& cells) const;
   // The frame is settled: what was known before is known after it.
   void keep();
   // Learns what is known after the frame.
@@ -49,6 +59,8 @@ class IrradianceHistory {
   std::shared_ptr<const model::Snapshot> committed_;
   PixelTrail trail_;
   bool again_ = false;
+  glm::dvec3 origin_{0.0};    // of the local space of after_
+  glm::vec3 moved_{0.0f};     // that of before_, less this frame's
   IrradianceCells before_, after_;  // what is known before the frame, and after it
   std::vector<uint32_t> turns_;
 };

@@ -1,10 +1,10 @@
 #include "rt/irradiance/irradiance_tracing.h"
 
 #include <algorithm>
-#include <atomic>
+#include <cmath>
 
-#include "model/failure.h"
 #include "model/stopwatch.h"
+#include "rt/base/largest.h"
 #include "rt/base/sampling.h"
 #include "rt/history/still_frames.h"
 #include "rt/light/diffuse_paths.h"
@@ -13,9 +13,10 @@
 #include "rt/layers/frame_tiles.h"
 #include "rt/layers/layer_tracer.h"
 #include "rt/masks/depth_points.h"
+#include "rt/opaque/light_tiles.h"
 #include "rt/masks/mask_rays.h"
-#include "rt/reach/wanted_tiles.h"
 #include "rt/shading/host_shader.h"
+#include "rt/surfaces/surface.h"
 #include "rt/textures/environment_lookup.h"
 
 namespace sideray::rt {
@@ -26,6 +27,8 @@ constexpr uint32_t cells_across = tile_size / cell_side;
 constexpr uint32_t sample_purpose = 60, path_purpose = 63;
 constexpr uint32_t sky_purpose = 64;
 constexpr float blur_of_sky = 0.25f;  // roughness of the lobe that the sky's colour is averaged over
+constexpr float least_along = 1e-4f;  // squared, of a direction
+constexpr float rounding = 0x1p-21f;  // of coordinates in floats
 constexpr uint32_t read_around = 2;  // tiles that the filter reads beside one
 
 FrameKey key_of(const IrradianceRequest& r) {
@@ -33,32 +36,7 @@ FrameKey key_of(const IrradianceRequest& r) {
     uint32_t denoise, exact;
   };
   const Inputs inputs{r.denoise, !r.points.empty()};
-  FrameKey key;
-  key.inputs = bytes_through(&Inputs::exact, inputs);
-  key.view = r.view;
-  key.width = r.width;
-  key.height = r.height;
-  key.format = r.depth.format;
-  key.seed = r.seed;
-  key.shadows = r.shadows;
-  key.subpixel = r.subpixel;
-  return key;
-}
-
-MaskRequest depth_request(const IrradianceRequest& r) {
-  MaskRequest request{};
-  request.view = r.view;
-  request.width = r.width, request.height = r.height;
-  request.depth = r.depth;
-  request.subpixel = r.subpixel;
-  request.points = r.points;
-  return request;
-}
-
-void check(const IrradianceRequest& r) {
-  if (r.width == 0 || r.height == 0 || r.width > 65535 || r.height > 65535)
-    fail(SIDERAY_INVALID_ARGUMENT, "irradiance of {}x{}: each side must be 1 to 65535", r.width, r.height);
-  if (!r.depth.texels) fail(SIDERAY_INVALID_ARGUMENT, "irradiance: no depth; give a depth buffer");
+  return frame_key(r, bytes_through(&Inputs::exact, inputs));
 }
 
 glm::vec3 of_mean_one(glm::vec3 colour) {
@@ -83,6 +61,8 @@ struct IrradianceTracing::Worker {
   std::vector<uint32_t> seen_cells;  // of `cells`, those that see the sky
   Veils veils;
   std::vector<CellLight> samples;
+  std::vector<Hit> met;
+  IrradianceHistory::Scratch looking_back;
   Counters counters;
 };
 
@@ -101,13 +81,19 @@ struct IrradianceTracing::Frame {
 IrradianceTracing::IrradianceTracing(uint32_t threads) : workers_(threads) {}
 IrradianceTracing::~IrradianceTracing() = default;
 
+// Calls visit(cell) for the cells of the tile that begins at a pixel.
+template <typename Visit>
+void IrradianceTracing::for_cells_of_tile(uint32_t x0, uint32_t y0, const Visit& visit) const {
+  for (uint32_t y = y0 / cell_side; y < std::min(y0 / cell_side + cells_across, cells_.rows); ++y)
+    for (uint32_t x = x0 / cell_side; x < std::min(x0 / cell_side + cells_across, cells_.columns); ++x)
+      visit(size_t{y} * cells_.columns + x);
+}
+
 // Chooses the pixel of each cell, another one in each frame, and what is known of it.
 void IrradianceTracing::find_places(const Frame& f, Worker& w, uint32_t tile) {
   const IrradianceRequest& r = f.request;
   const uint32_t x0 = tile % f.columns * tile_size, y0 = tile / f.columns * tile_size;
-  for (uint32_t y = y0 / cell_side; y < std::min(y0 / cell_side + cells_across, cells_.rows); ++y)
-    for (uint32_t x = x0 / cell_side; x < std::min(x0 / cell_side + cells_across, cells_.columns); ++x)
-      cells_.places[size_t{y} * cells_.columns + x] = {}, cells_.lights[size_t{y} * cells_.columns + x] = {};
+  for_cells_of_tile(x0, y0, [&](size_t cell) { cells_.places[cell] = {}, cells_.lights[cell] = {}; });
   const PointTile& points = w.depth_points.gather(depth_request(r), f.view, x0, y0);
   for_each_pixel(points.drawn, [&](uint32_t pixel) {
     const uint32_t x = x0 + column_in_tile(pixel), y = y0 + row_in_tile(pixel);
@@ -119,9 +105,36 @@ void IrradianceTracing::find_places(const Frame& f, Worker& w, uint32_t tile) {
     const Ray ray = f.view.ray(x, y);
     const Cone cone = f.view.cone(x, y);
     const float distance = glm::dot(p.front - ray.origin, ray.direction);
-    cells_.places[cell] = {p.front, p.normal, std::max(cone.width + cone.spread * distance, 1e-20f)};
+    cells_.places[cell] = {p.front, p.normal, std::max(cone.width + cone.spread * distance, 1e-20f), p.skip};
     pixels_[cell] = {x, y};
   });
+  meet_lone_places(f, w, x0, y0);
+}
+
+// Where no pixel beside it shows a surface too, the depth does not say how it is tilted, and paths that skip what is near would
+// pass through a thin wall: a ray of the eye says it.
+void IrradianceTracing::meet_lone_places(const Frame& f, Worker& w, uint32_t x0, uint32_t y0) {
+  w.rays.clear(), w.cells.clear();
+  for_cells_of_tile(x0, y0, [&](size_t cell) {
+    if (!(cells_.places[cell].width > 0.0f)) return;
+    w.rays.push_back(f.view.ray(pixels_[cell].x, pixels_[cell].y));
+    w.cells.push_back(static_cast<uint32_t>(cell));
+  });
+  if (w.rays.empty()) return;
+  w.met.resize(w.rays.size());
+  f.intersector.nearest_opaque(w.rays, true, w.met.data(), OpaqueSet::all, {}, true);
+  w.counters.rays_bounce += w.rays.size();
+  for (size_t i = 0; i < w.rays.size(); ++i) {
+    const Ray& ray = w.rays[i];
+    CellPlace& place = cells_.places[w.cells[i]];
+    const float distance = glm::dot(place.position - ray.origin, ray.direction), met = static_cast<float>(w.met[i].distance);
+    if (w.met[i].instance == no_instance || std::abs(met - distance) > place.width) continue;
+    const glm::vec3 normal = geometric_normal(*f.scene.snapshot, w.met[i]);
+    place.normal = glm::dot(normal, ray.direction) > 0.0f ? -normal : normal;
+    place.position = ray.origin + met * ray.direction;
+    place.position += rounding * largest(glm::abs(place.position)) * place.normal;
+    place.skip = 0.0f;
+  }
 }
 
 // Finds what the mask of the sky, which has one channel, says wrong: of the light of each direction that is seen, by how much its
@@ -174,10 +187,10 @@ TraceEnd IrradianceTracing::trace_tile(const Frame& f, Worker& w, uint32_t tile)
     const uint32_t x = x0 + column_in_tile(pixel), y = y0 + row_in_tile(pixel);
     const size_t cell = size_t{y / cell_side} * cells_.columns + x / cell_side;
     if (pixels_[cell] != glm::u16vec2(x, y)) return;
-    const DepthPoint p = point_at(points, pixel);
-    const glm::vec3 direction = frame_about(p.normal) * sample_cosine(samples.at(x, y, 0, 1));
-    w.rays.push_back({p.front, p.skip, direction, farthest});
-    w.cones.push_back({cells_.places[cell].width, f.view.cone(x, y).spread});
+    const CellPlace& place = cells_.places[cell];
+    const glm::vec3 direction = frame_about(place.normal) * sample_cosine(samples.at(x, y, 0, 1));
+    w.rays.push_back({place.position, place.skip, direction, farthest});
+    w.cones.push_back({place.width, f.view.cone(x, y).spread});
     w.keys.push_back(random_key({pixel_key(f.seed, 0, x, y), path_purpose}));
     w.cells.push_back(static_cast<uint32_t>(cell));
   });
@@ -193,7 +206,11 @@ TraceEnd IrradianceTracing::trace_tile(const Frame& f, Worker& w, uint32_t tile)
   w.counters.rays_shadow += w.paths.rays_shadow;
   if (by_host) add_work(w.host, {}, w.counters);
   w.samples.resize(w.cells.size());
-  for (size_t i = 0; i < w.cells.size(); ++i) w.samples[i] = {.light = w.radiance[i], .nearness = w.nearness[i]};
+  for (size_t i = 0; i < w.cells.size(); ++i) {
+    const float rise = glm::dot(w.rays[i].direction, cells_.places[w.cells[i]].normal);
+    const float along = std::sqrt(std::max(1.0f - rise * rise, least_along));
+    w.samples[i] = {.light = w.radiance[i], .nearness = w.nearness[i], .most_near = w.nearness[i] / along};
+  }
   if (f.sky) see_sky(f, w);
   for (size_t i = 0; i < w.cells.size(); ++i) {
     CellLight& light = cells_.lights[w.cells[i]];
@@ -205,17 +222,14 @@ TraceEnd IrradianceTracing::trace_tile(const Frame& f, Worker& w, uint32_t tile)
 
 // Counts the pixels of a tile that had no turn.
 void IrradianceTracing::count_left(const Frame& f, Worker& w, uint32_t tile) const {
-  const uint32_t x0 = tile % f.columns * cells_across, y0 = tile / f.columns * cells_across;
-  for (uint32_t y = y0; y < std::min(y0 + cells_across, cells_.rows); ++y)
-    for (uint32_t x = x0; x < std::min(x0 + cells_across, cells_.columns); ++x) {
-      const size_t cell = size_t{y} * cells_.columns + x;
-      if (!(cells_.places[cell].width > 0.0f)) continue;
-      constexpr uint64_t pixels = cell_side * cell_side;
-      (cells_.lights[cell].samples > 0.0f ? w.counters.irradiance_pixels_older : w.counters.irradiance_pixels_late) += pixels;
-      if (!f.history) continue;
-      const uint64_t waits = f.history->frame() - f.history->turns()[tile];
-      w.counters.frames_waiting = std::max(w.counters.frames_waiting, waits);
-    }
+  for_cells_of_tile(tile % f.columns * tile_size, tile / f.columns * tile_size, [&](size_t cell) {
+    if (!(cells_.places[cell].width > 0.0f)) return;
+    constexpr uint64_t pixels = cell_side * cell_side;
+    (cells_.lights[cell].samples > 0.0f ? w.counters.irradiance_pixels_older : w.counters.irradiance_pixels_late) += pixels;
+    if (!f.history) return;
+    const uint64_t waits = f.history->frame() - f.history->turns()[tile];
+    w.counters.frames_waiting = std::max(w.counters.frames_waiting, waits);
+  });
 }
 
 // Goes on with what is known, without a ray.
@@ -228,7 +242,7 @@ Counters IrradianceTracing::keep(IrradianceHistory& history, const IrradianceReq
 }
 
 Counters IrradianceTracing::trace(const IrradianceRequest& r, TracedScene& scene, IrradianceImage& image) {
-  check(r);
+  check_light(r, "irradiance");
   const auto hash = [&] { return StillFrames::Hashes{hash_depth(scene.executor(), r.depth, r.width, r.height, 0), {}}; };
   image.changed = !(r.still && r.still->begin(key_of(r), r.sequence, scene.committed(), hash) &&
                     image.width == r.width && image.height == r.height);
@@ -248,37 +262,25 @@ Counters IrradianceTracing::trace(const IrradianceRequest& r, TracedScene& scene
   const bool is_later = history && history->frame() > 1 && r.position_frames == 0;
   const uint32_t seed = is_later ? random_key({r.seed, history->frame()}) : r.seed;
   const SkyDirections* sky = scene.sky().black() ? nullptr : &scene.sky();
-  const Frame frame{r, view, scene.shading(), scene.intersector(), history, seed, tile_count(r.width), sky, veils_sky(*scene.shading().snapshot)};
-  const size_t tiles = size_t{frame.columns} * tile_count(r.height);
-  std::vector<uint32_t> order;
-  if (is_bounded(r.work)) order = order_of_importance(frame.columns, tile_count(r.height));
-  if (is_bounded(r.work) && history) order_by_turns(history->turns(), order);
-  WorkClock clock(r.work);
-  std::atomic<size_t> next{0};
-  TileReach* reach = r.wanted ? r.wanted->reach.get() : nullptr;
-  if (reach) reach->fit(r.view, r.width, r.height, r.depth);
-  scene.executor().run(tiles, [&](size_t numbered, uint32_t thread) {
-    if (r.cancelled && r.cancelled->load()) return;
-    const size_t number = order.empty() ? numbered : next++;
-    const auto tile = order.empty() ? static_cast<uint32_t>(numbered) : order[number];
-    Worker& worker = workers_[thread];
-    find_places(frame, worker, tile);
-    if (!traced.empty() && !traced[tile]) return;
-    if (history) history->look_back(tile, pixels_, cells_);
-    const bool is_traced = clock.run(number, [&] {
-      Following rays(r.wanted && r.wanted->has(tile) ? reach : nullptr, Following::Rays::of_reflections);
-      trace_tile(frame, worker, tile);
-      rays.add_to(tile);
-    });
-    if (history && is_traced) history->traced(tile);
-    if (!is_traced) count_left(frame, worker, tile);
-  });
+  const Frame frame{r, view, scene.shading(), scene.intersector(), history, seed, tile_count(r.width), sky,
+                    veils_sky(*scene.shading().snapshot)};
+  for_light_tiles(
+      r, scene.executor(), history ? std::span(history->turns()) : std::span<const uint32_t>(), traced,
+      [&](uint32_t tile, uint32_t thread) {
+        find_places(frame, workers_[thread], tile);
+        if (history) history->look_back(tile, pixels_, filter_.walls(), scene.intersector(), workers_[thread].looking_back, cells_);
+      },
+      [&](uint32_t tile, uint32_t thread) { trace_tile(frame, workers_[thread], tile); },
+      [&](uint32_t tile, uint32_t thread, bool is_traced) {
+        if (history && is_traced) history->traced(tile);
+        if (!is_traced) count_left(frame, workers_[thread], tile);
+      });
   if (history && !(r.cancelled && r.cancelled->load())) history->end(cells_);
   Counters sum;
   for (const Worker& worker : workers_) sum += worker.counters;
   sum.pixels_total = uint64_t{r.width} * r.height;
   const Stopwatch watch;
-  filter_.apply(r, cells_, scene.executor(), image);
+  filter_.apply(r, cells_, scene, image);
   if (r.denoise) sum.denoise_ms = watch.ms();
   if (r.still) r.still->end(sum, !is_bounded(r.work) && traced.empty());
   return sum;

@@ -25,6 +25,9 @@ class IrradianceTracing {
   struct Worker;  // memory of one thread, kept from frame to frame
   struct Frame;
   void find_places(const Frame& frame, Worker& worker, uint32_t tile);
+  void meet_lone_places(const Frame& frame, Worker& worker, uint32_t x0, uint32_t y0);
+  template <typename Visit>
+  void for_cells_of_tile(uint32_t x0, uint32_t y0, const Visit& visit) const;
   void see_sky(const Frame& frame, Worker& worker);
   static void see_through_veils(const Frame& frame, Worker& worker);
   TraceEnd trace_tile(const Frame& frame, Worker& worker, uint32_t tile);

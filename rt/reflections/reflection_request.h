@@ -2,24 +2,17 @@
 // 0 is the bottom row.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
 #include <vector>
 
-#include "rt/base/deadline.h"
-#include "rt/base/opaque_point.h"
-#include "rt/base/sequence.h"
-#include "rt/base/view.h"
+#include "rt/opaque/light_request.h"
 
 namespace sideray::rt {
 
 class OlderReflections;
-class ShadingQueue;
-class StillFrames;
-struct WantedTiles;
 
 // Shading normals in world space, and the perceptual roughness; 0 where there is no surface: four floats a pixel, or four
 // halfs, as the host's texture has them. Drivers that are asked for another format than the texture's convert it on the CPU
@@ -41,25 +34,12 @@ class NormalTexels {
 };
 
 // Requests what glossy opaque surfaces mirror.
-struct ReflectionRequest {
-  TraceView view;
-  uint32_t width = 0, height = 0;
-  DepthImage depth;
-  float subpixel = 0x1p-9f;              // as in MaskRequest
-  NormalTexels normals;
-  std::span<const OpaquePoint> points;   // as in MaskRequest
-  float max_roughness = 0.0f;            // rougher pixels are not traced
-  float error = 0.0f;                    // as LayerRequest::ray_reuse, for lights that are drawn by chance
-  bool shadows = true, denoise = false;  // denoise: filter what rough surfaces mirror
-  bool light_bounces = false;            // as LayerRequest has it
-  uint32_t seed = 1;
-  SequenceStep sequence = SequenceStep::first;   // of `still`
-  StillFrames* still = nullptr;                  // an equal frame reuses the image; null: it is traced
-  const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
-  WorkTime work;                                 // tiles that it does not let begin are skipped
-  OlderReflections* older = nullptr;             // of the sequence: what they show then; null: they are not traced
-  ShadingQueue* shading_queue = nullptr;         // as in LayerRequest
-  const WantedTiles* wanted = nullptr;           // null: all tiles are
+struct ReflectionRequest : LightRequest {
+  NormalTexels normals{};
+  float max_roughness = 0.0f;         // rougher pixels are not traced
+  float error = 0.0f;                 // as LayerRequest::ray_reuse, for lights that are drawn by chance
+  bool light_bounces = false;         // as LayerRequest::light_bounces
+  OlderReflections* older = nullptr;  // of the sequence: what tiles without a turn show; null: they are not traced
 };
 
 struct ReflectionImage {

@@ -1,12 +1,10 @@
 #include "rt/reflections/reflection_tracing.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 #include "model/failure.h"
 #include "model/stopwatch.h"
-#include "rt/base/deadline.h"
 #include "rt/base/half_bits.h"
 #include "rt/base/sampling.h"
 #include "rt/history/still_frames.h"
@@ -14,7 +12,7 @@
 #include "rt/layers/frame_tiles.h"
 #include "rt/layers/layer_tracer.h"
 #include "rt/masks/depth_points.h"
-#include "rt/reach/wanted_tiles.h"
+#include "rt/opaque/light_tiles.h"
 #include "rt/reflections/older_reflections.h"
 #include "rt/shading/hit_shader.h"
 #include "rt/shading/host_shader.h"
@@ -39,16 +37,8 @@ FrameKey key_of(const ReflectionRequest& r) {
     uint32_t denoise, exact;
   };
   const Inputs inputs{r.max_roughness, r.error, r.denoise, !r.points.empty()};
-  FrameKey key;
-  key.inputs = bytes_through(&Inputs::exact, inputs);
-  key.view = r.view;
-  key.width = r.width;
-  key.height = r.height;
-  key.format = r.depth.format;
-  key.seed = r.seed;
-  key.shadows = r.shadows;
+  FrameKey key = frame_key(r, bytes_through(&Inputs::exact, inputs));
   key.bounces = r.light_bounces;
-  key.subpixel = r.subpixel;
   return key;
 }
 
@@ -56,20 +46,8 @@ StillFrames::Hashes hash_pictures(const ReflectionRequest& r, Executor& executor
   return {hash_depth(executor, r.depth, r.width, r.height, 0), hash_rows(executor, r.normals.bytes(), r.height)};
 }
 
-MaskRequest depth_request(const ReflectionRequest& r) {
-  MaskRequest request{};
-  request.view = r.view;
-  request.width = r.width, request.height = r.height;
-  request.depth = r.depth;
-  request.subpixel = r.subpixel;
-  request.points = r.points;
-  return request;
-}
-
 void check(const ReflectionRequest& r) {
-  if (r.width == 0 || r.height == 0 || r.width > 65535 || r.height > 65535)
-    fail(SIDERAY_INVALID_ARGUMENT, "reflections of {}x{}: each side must be 1 to 65535", r.width, r.height);
-  if (!r.depth.texels) fail(SIDERAY_INVALID_ARGUMENT, "reflections: no depth; give a depth buffer");
+  check_light(r, "reflections");
   if (r.normals.size() != size_t{r.width} * r.height)
     fail(SIDERAY_INTERNAL, "reflections: {} normals for {}x{} pixels", r.normals.size(), r.width, r.height);
   if (!(r.max_roughness >= 0.0f && r.max_roughness <= 1.0f))
@@ -257,31 +235,19 @@ Counters ReflectionTracing::trace_tiles(const ReflectionRequest& r, TracedScene&
   const ShadingScene& shading = scene.shading();
   const ViewRays view(r.view, r.width, r.height);
   const uint32_t columns = tile_count(r.width);
-  const size_t tiles = size_t{columns} * tile_count(r.height);
   for (Worker& worker : workers_) worker.counters = {};
-  filter_.begin(tiles);
-  std::vector<uint32_t> order;
-  if (is_bounded(r.work)) order = order_of_importance(columns, tile_count(r.height));
-  if (older) order_by_turns(older->turns(), order);
-  WorkClock clock(r.work);
-  std::atomic<size_t> next{0};
-  TileReach* reach = r.wanted ? r.wanted->reach.get() : nullptr;
-  if (reach) reach->fit(r.view, r.width, r.height, r.depth);
-  scene.executor().run(tiles, [&](size_t numbered, uint32_t thread) {
-    if (r.cancelled && r.cancelled->load()) return;
-    const size_t number = order.empty() ? numbered : next++;
-    const auto i = order.empty() ? static_cast<uint32_t>(numbered) : order[number];
-    if (!traced.empty() && !traced[i]) return;
-    const bool is_traced = clock.run(number, [&] {
-      const Tile tile{&r, &view, &shading, &scene.intersector(), i, i % columns * tile_size, i / columns * tile_size};
-      Following rays(r.wanted && r.wanted->has(i) ? reach : nullptr, Following::Rays::of_reflections);
-      if (older) empty(tile, image);
-      trace_tile(tile, workers_[thread], image);
-      rays.add_to(i);
-    });
-    if (older && is_traced) older->traced(i);
-    if (older && !is_traced) older->leave(r, i, image, workers_[thread].counters);
-  });
+  filter_.begin(size_t{columns} * tile_count(r.height));
+  for_light_tiles(
+      r, scene.executor(), older ? std::span(older->turns()) : std::span<const uint32_t>(), traced, [](uint32_t, uint32_t) {},
+      [&](uint32_t i, uint32_t thread) {
+        const Tile tile{&r, &view, &shading, &scene.intersector(), i, i % columns * tile_size, i / columns * tile_size};
+        if (older) empty(tile, image);
+        trace_tile(tile, workers_[thread], image);
+      },
+      [&](uint32_t i, uint32_t thread, bool is_traced) {
+        if (older && is_traced) older->traced(i);
+        if (older && !is_traced) older->leave(r, i, image, workers_[thread].counters);
+      });
   Counters sum;
   for (const Worker& worker : workers_) sum += worker.counters;
   sum.pixels_total = uint64_t{r.width} * r.height;

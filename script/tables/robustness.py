@@ -49,6 +49,9 @@ SYMPTOMS = [
      "`--denoise off` changes little", ["settling"]),
     ("Glass that moves shows colours of where it was", "a host takes layers a frame late", "`sideray_translucent_moving` instead of "
      "`sideray_translucent`", ["late-glass"]),
+    ("A room glows behind a thin wall, or light trails behind a lamp or a door", "light that bounces is shared by pixels and kept over frames",
+     "`--ambient bounce`, the default, which asks by rays what stands between; `--ambient ao` has less noise and no light of other surfaces",
+     ["bounce"]),
     ("A mesh with broken triangles lets rays through", "degenerate or non-finite triangles", "nothing: they are dropped, and the rest stays",
      ["broken-triangles"]),
 ]

@@ -35,13 +35,13 @@ bool matches(const json& row, const Failed& failed) {
 // All cases but two: a budget takes seconds, and fragments are not there.
 TEST_F(StressByRays, KeepsTheBoundsOfDefaults) {
   const Outcome outcome = run("stress layer-gap coplanar layer-count instance-scale world-offset match-gap wind-gap contact self-shadow "
-                              "leaves settling depth-format ray-layers broken-triangles late-glass --quick --gl none -o d");
+                              "leaves settling depth-format ray-layers broken-triangles late-glass bounce --quick --gl none -o d");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors << outcome.output;
   EXPECT_EQ(outcome.errors, "sideray: warning: stress: without OpenGL no fragment looks for layers: match-gap left out\n");
   std::set<std::string> names;
   const json r = results("d");
   for (const json& row : r["cases"]) names.insert(row["name"]);
-  EXPECT_EQ(names.size(), 14u);
+  EXPECT_EQ(names.size(), 15u);
   EXPECT_FALSE(names.contains("match-gap"));
 }
 
@@ -66,6 +66,7 @@ TEST_F(Stress, QuickSweepsShowWhatIsKnownToFail) {
                                {"contact", "origin moved by u B (no option) --poses rest", "hit distance"},
                                {"leaves", "--shadows map, cards of two triangles", "above their centre"},
                                {"settling", "--denoise off --taa off", "flicker"},
+                               {"bounce", "--ambient ao", "FLIP to paths"},
                                {"ray-layers", "one ray a surface, t_near as in listing 50-1", "lost"},
                                {"depth-format", "256 ulps along the normal", "the floor they start from"}})
     EXPECT_TRUE(std::any_of(r["cases"].begin(), r["cases"].end(),

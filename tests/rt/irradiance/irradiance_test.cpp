@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <glm/gtc/constants.hpp>
 #include <numeric>
 
 #include "rt/base/view_rays.h"
@@ -156,6 +157,97 @@ TEST(Irradiance, OfAViewThatStandsStillSettles) {
   EXPECT_GT(tracer.trace_irradiance(request, image).rays_bounce, 0u);
   EXPECT_TRUE(image.changed);
   EXPECT_NEAR(mean(image).x, 1.25f, 0.1f) << "nothing of the other light is left";
+}
+
+// A square that shines above a black floor, with or without a pane between them.
+struct Glow {
+  static constexpr double half = 0.6, above = 1.0, behind = 1.7, radiance = 2.0;  // about (0, -2 + above, -behind)
+  static constexpr float pane[3] = {0.9f, 0.5f, 0.1f};
+
+  static std::shared_ptr<const model::Snapshot> scene(bool with_pane) {
+    TestScene scene;
+    scene.quad({0, -2, 0}, {20, 0, 0}, {0, 0, 20}, matt(0.0f, glm::vec3(0.0f)));
+    scene.quad(glm::dvec3(0, -2 + above, -behind), glm::dvec3(half, 0, 0), glm::dvec3(0, 0, half),
+               glowing(glm::dvec3(radiance)));
+    sideray_material_desc glass_of_pane = glass();
+    for (int c = 0; c < 3; ++c) glass_of_pane.base_color[c] = pane[c];
+    if (with_pane) scene.quad(glm::dvec3(0, -2 + 0.5 * above, 0), {20, 0, 0}, {0, 0, 20}, glass_of_pane);
+    scene.environment(glm::vec3(0.0f));
+    return scene.commit();
+  }
+
+  // The irradiance over pi at a place on the floor. A pane lets through what Schlick's term leaves, once, times its colour.
+  static glm::dvec3 light_at(double x, double z, bool with_pane) {
+    constexpr int steps = 24;
+    constexpr double side = 2.0 * half / steps;
+    glm::dvec3 sum(0.0);
+    for (int j = 0; j < steps; ++j)
+      for (int i = 0; i < steps; ++i) {
+        const glm::dvec3 way(-half + (i + 0.5) * side - x, above, -behind - half + (j + 0.5) * side - z);
+        const double squared = glm::dot(way, way), cosine = above / std::sqrt(squared);
+        const double arrives = radiance * cosine * cosine / (squared * glm::pi<double>()) * side * side;
+        const double passes = with_pane ? 0.96 * (1.0 - std::pow(1.0 - cosine, 5)) : 1.0;
+        for (int c = 0; c < 3; ++c) sum[c] += arrives * passes * (with_pane ? double{pane[c]} : 1.0);
+      }
+    return sum;
+  }
+};
+
+class GlowAndPane : public testing::TestWithParam<bool> {};
+
+// Surfaces that shine light what is near them, tinted by glass on the way, as the integral over them says.
+TEST_P(GlowAndPane, LightWhatIsNear) {
+  const FloorFrame frame;
+  Tracer tracer({2, ""});
+  tracer.set_scene(Glow::scene(GetParam()));
+  glm::dvec3 found(0.0), expected(0.0);
+  const ViewRays rays(frame.view, width, height);
+  constexpr uint32_t seeds = 24;
+  for (uint32_t seed = 1; seed <= seeds; ++seed) {
+    IrradianceRequest request = frame.request(false);
+    request.seed = seed;
+    IrradianceImage image;
+    tracer.trace_irradiance(request, image);
+    for (uint32_t y = 0; y < height; ++y)
+      for (uint32_t x = 0; x < width; ++x) found += glm::dvec3(rgb(image.light, size_t{y} * width + x)) / double{seeds};
+  }
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < width; ++x) {
+      const Ray ray = rays.ray(x, y);
+      const glm::dvec3 p = glm::dvec3(ray.direction) * (-2.0 / double{ray.direction.y});
+      expected += Glow::light_at(p.x, p.z, GetParam());
+    }
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], 0.02 * expected[c]) << c;
+}
+
+INSTANTIATE_TEST_SUITE_P(Irradiance, GlowAndPane, testing::Bool());
+
+// A position of a still view takes turns at its tiles; when all have had one, it is what it would be without a budget.
+TEST(Irradiance, UnderABudgetComesToTheSameBits) {
+  const FloorFrame frame;
+  Tracer tracer({2, ""});
+  tracer.set_scene(furnace(0.5f, glm::vec3(1.0f)));
+  IrradianceImage whole, image;
+  IrradianceHistory whole_history, history;
+  IrradianceRequest request = frame.request();
+  request.position_frames = 1;
+  request.history = &whole_history;
+  tracer.trace_irradiance(request, whole);
+  request.history = &history;
+  constexpr uint32_t tiles = 4;
+  uint64_t late = 0;
+  for (uint32_t turn = 1; turn <= tiles; ++turn) {
+    PiecesLeft pieces{1};
+    request.work.pieces = &pieces;
+    request.position_frames = turn;
+    request.sequence = turn == 1 ? SequenceStep::first : SequenceStep::next;
+    const Counters counters = tracer.trace_irradiance(request, image);
+    EXPECT_GT(counters.rays_bounce, 0u) << turn;
+    EXPECT_TRUE(turn == 1 || counters.irradiance_pixels_late < late) << turn;
+    late = counters.irradiance_pixels_late;
+    EXPECT_EQ(image.light == whole.light, turn == tiles) << turn;
+  }
+  EXPECT_EQ(late, 0u);
 }
 
 }  // namespace

@@ -1,0 +1,46 @@
+// What requests for light of a frame's opaque pixels have in common, be it what they mirror or what other surfaces throw on
+// them. Plain values; any thread.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "rt/base/deadline.h"
+#include "rt/base/opaque_point.h"
+#include "rt/base/sequence.h"
+#include "rt/base/view.h"
+#include "rt/history/still_frames.h"
+#include "rt/masks/mask_request.h"
+
+namespace sideray::rt {
+
+class ShadingQueue;
+
+struct LightRequest {
+  TraceView view;
+  uint32_t width = 0, height = 0;
+  DepthImage depth;
+  float subpixel = 0x1p-9f;             // as in MaskRequest
+  std::span<const OpaquePoint> points;  // as in MaskRequest
+  bool shadows = true, denoise = false;
+  uint32_t seed = 1;
+  SequenceStep sequence = SequenceStep::first;   // of `still` and the history
+  StillFrames* still = nullptr;                  // a frame that is the last one keeps the image; null: it is traced
+  const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
+  WorkTime work;                                 // tiles that it does not let begin have no turn
+  ShadingQueue* shading_queue = nullptr;         // as in LayerRequest
+  const WantedTiles* wanted = nullptr;           // null: all tiles are
+};
+
+// Throws Failure that begins with `name`, where it has no size or no depth.
+void check_light(const LightRequest& request, std::string_view name);
+// Of the pixels' points.
+MaskRequest depth_request(const LightRequest& request);
+// `inputs`: the bytes of what else is asked for.
+FrameKey frame_key(const LightRequest& request, std::vector<std::byte> inputs);
+
+}  // namespace sideray::rt
