@@ -328,9 +328,9 @@ TEST_F(Render, ADeadlineThatHasPassedLeavesRaster) {
   EXPECT_EQ(stats["pixels"]["late"], stats["pixels"]["masked"]);
   for (const char* key : {"older", "masks_older", "oldest_frames"}) EXPECT_EQ(stats["pixels"][key], 0) << key;
   EXPECT_EQ(stats["layers"]["matched"], 0);
-  // Under a deadline chunks are smaller, so that other pixels are donors.
-  render("panes -o c.exr --size 64x36 --ray-reuse 0 --deadline 1e6");
-  render("panes -o d.exr --size 64x36 --ray-reuse 0");
+  // Under a deadline chunks are smaller, so that other pixels are donors, and share light that bounces.
+  render("panes -o c.exr --size 64x36 --ray-reuse 0 --ambient ao --deadline 1e6");
+  render("panes -o d.exr --size 64x36 --ray-reuse 0 --ambient ao");
   EXPECT_EQ(text_of(path("c.exr")), text_of(path("d.exr")));
 }
 
