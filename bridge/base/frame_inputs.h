@@ -11,8 +11,8 @@
 
 namespace sideray::bridge {
 
-// What the renderer requests beside a frame's outputs, to time and count it and to show the distances behind masks. It
-// does not change what the frame shows, except in tiles that are not wanted.
+// Holds what the renderer requests beside a frame's outputs: it times and counts the frame, and tells the distances behind masks.
+// The frame shows the same, except in tiles that are not wanted.
 struct Inspection {
   bool check = false;          // CACHE also traces what its layers are checked against
   bool hit_distances = false;  // masks hold the distance of every occluder near a shadow's edge

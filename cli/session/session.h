@@ -19,7 +19,7 @@ struct ReleasePlan {
 };
 using PlanHandle = std::unique_ptr<sideray_plan, ReleasePlan>;
 
-// What would keep a Session from being made, found out before any is: files, scenes, animations, variants, cameras.
+// Finds what would keep a Session from being made, before one is: files, scenes, animations, variants, cameras.
 class SceneChecks {
  public:
   // Throws UsageError or Error as Session does; prints nothing. Content that the call before read is not read again.

@@ -30,7 +30,7 @@ typedef struct sideray_attribute {
   size_t stride_bytes;
 } sideray_attribute;
 
-/* What indices make of vertices. Points and lines are one pixel wide, as rasterizers draw them: pictures show them before
+/* Says what indices make of vertices. Points and lines are a pixel wide, as rasterizers draw them: pictures show them before
  * and behind surfaces, and through what is translucent. They are opaque whatever their material says, but for alpha_mode
  * MASK, and without normals unlit. No ray hits them: they throw no shadow, and mirrors, refraction and references do
  * not show them. */

@@ -18,7 +18,7 @@ class Content {
   }
   sideray_content* get() const { return handle_.get(); }
 
-  // Of materials: what sideray_load_options::variant may name.
+  // Returns the names of the variants of the file's materials, which sideray_load_options::variant may hold.
   std::vector<std::string> variants() const {
     std::vector<std::string> names;
     for (size_t i = 0; i < sideray_content_variant_count(get()); ++i)

@@ -188,8 +188,8 @@ typedef struct sideray_mask_inputs {
   /* 1: ambient occlusion rays are distributed by the environment's light, for hosts that light by it; 0: by the cosine
    * alone. */
   int32_t ao_by_light;
-  /* With ao_rays: one more layer, behind those of lights in shadow_texture, holds the share of the sky's light that is
-   * not hidden by opaque surfaces and that translucent ones let through. */
+  /* With ao_rays, one more layer of shadow_texture, behind those of lights, holds the share of the sky's light that opaque
+   * surfaces do not hide and translucent ones let through. */
   int32_t unhidden_sky;
   /* For hosts that show masks of an earlier frame: uploads the depth by which sideray_shadow_moving() and the like find
    * a surface after it or the camera has moved. One more texture, of 4 bytes a pixel. */
