@@ -93,7 +93,7 @@ void LayerTracing::prepare(const CacheRequest& request, TracedScene& scene, Laye
   chosen_.clear();
   OlderLayers& older = *request.older;
   older.begin(request, scene.shading().snapshot, scene.committed(), chunks_.frame(), scene.executor(), cache);
-  chunks_.take_turns([&](std::span<const PixelRequest> pixels) { return older.last_turn(pixels); }, scene.executor());
+  chunks_.take_turns(request, [&](std::span<const PixelRequest> pixels) { return older.last_turn(pixels); }, scene.executor());
 }
 
 Counters LayerTracing::trace(const CacheRequest& request, TracedScene& scene, LayerCache& cache) {

@@ -23,9 +23,10 @@ class CellWalls {
 
   // Takes the cells of a frame. The caller keeps them.
   void begin(const IrradianceCells& cells, Executor& executor);
-  // Looks between cells steps[number] apart of which share(cell, other, the way to it) says that they may share light.
+  // Looks between cells of these rows and those steps[number] beside or above them of which share(cell, other, the way to it)
+  // says that they may share light.
   template <typename Share>
-  void look(size_t number, const Intersector& intersector, Executor& executor, const Share& share);
+  void look(size_t number, CellRows rows, const Intersector& intersector, Executor& executor, const Share& share);
 
   // Returns whether something was found between a cell and the one i steps to its right and j steps up, each -1, 0 or 1.
   bool stands(size_t cell, int i, int j, size_t number) const;
@@ -58,9 +59,10 @@ class CellWalls {
 };
 
 template <typename Share>
-void CellWalls::look(size_t number, const Intersector& intersector, Executor& executor, const Share& share) {
+void CellWalls::look(size_t number, CellRows rows, const Intersector& intersector, Executor& executor, const Share& share) {
   const int step = static_cast<int>(steps[number]), columns = static_cast<int>(cells_->columns);
-  executor.run(cells_->rows, [&](size_t row, uint32_t worker) {
+  executor.run(rows.end - rows.first, [&](size_t index, uint32_t worker) {
+    const size_t row = rows.first + index;
     Scratch& scratch = scratch_[worker];
     scratch.rays.clear(), scratch.cells.clear(), scratch.bits.clear();
     const int y = static_cast<int>(row);

@@ -61,6 +61,18 @@ inline float likeness(const CellPlace& a, const CellPlace& b, glm::vec3 apart, f
   return std::max(1.0f - off, 0.0f) * std::max(turned, 0.0f);
 }
 
+// Rows of a picture, and of its cells: from the first on, up to the end.
+struct PixelRows {
+  uint32_t first = 0, end = 0;
+};
+struct CellRows {
+  uint32_t first = 0, end = 0;
+};
+// Of tiles of frame_tile_size.
+struct TileRows {
+  uint32_t first = 0, end = 0;
+};
+
 struct IrradianceCells {
   uint32_t columns = 0, rows = 0;
   std::vector<CellPlace> places;
@@ -73,6 +85,11 @@ struct IrradianceCells {
     lights.resize(size());
   }
   size_t size() const { return size_t{columns} * rows; }
+  // Returns the rows of cells in which pixels lie, and `around` more on both sides.
+  CellRows rows_of(PixelRows pixels, uint32_t around) const {
+    const uint32_t first = pixels.first / cell_side, end = (pixels.end + cell_side - 1) / cell_side;
+    return {first - std::min(first, around), std::min(end + around, rows)};
+  }
 };
 
 }  // namespace sideray::rt

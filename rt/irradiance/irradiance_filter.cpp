@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::array<float, 3> spline{0.25f, 0.5f, 0.25f};
 constexpr size_t smooth_steps = 2, light_steps = 4;  // of CellWalls::steps
+constexpr uint32_t rings_of_pixels = 2;              // of cells that a pixel reads about its own
 constexpr float reach = 0.5f;        // of the harmonic mean distance
 constexpr float least_reach = 8.0f;  // widths of a pixel: noise is worse than what may leak so far
 // Calls visit(cell, weight, distance) for a cell and those about it, CellWalls::steps[number] apart, whose light may be its own.
@@ -37,10 +38,30 @@ void for_taps(const IrradianceCells& cells, const CellWalls& walls, uint32_t x, 
     }
 }
 
+// How many rows beside those that are written a pass has to get right: what later ones read.
+constexpr uint32_t read_after_pass(size_t number) {
+  uint32_t rows = rings_of_pixels;
+  for (size_t later = number + 1; later < light_steps; ++later) rows += CellWalls::steps[later];
+  return rows;
+}
+constexpr uint32_t read_by_passes = read_after_pass(0) + CellWalls::steps[0];
+constexpr uint32_t read_after_smooth(size_t number) {
+  uint32_t rows = read_by_passes;
+  for (size_t later = number + 1; later < smooth_steps; ++later) rows += CellWalls::steps[later];
+  return rows;
+}
+constexpr uint32_t read_in_all = read_after_smooth(0) + CellWalls::steps[0];
+
+size_t count(CellRows rows) {
+  return rows.end - rows.first;
+}
+
 }  // namespace
 
-void IrradianceFilter::smooth(const IrradianceCells& cells, size_t number, Executor& executor) {
-  executor.run(cells.rows, [&](size_t row, uint32_t) {
+void IrradianceFilter::smooth(const Input& in, size_t number, CellRows rows, Executor& executor) {
+  const IrradianceCells& cells = in.cells;
+  executor.run(count(rows), [&](size_t index, uint32_t) {
+    const size_t row = rows.first + index;
     const auto y = static_cast<uint32_t>(row);
     for (uint32_t x = 0; x < cells.columns; ++x) {
       const size_t own = row * cells.columns + x;
@@ -48,7 +69,7 @@ void IrradianceFilter::smooth(const IrradianceCells& cells, size_t number, Execu
       if (!(cells.places[own].width > 0.0f)) continue;
       glm::vec2 sum(0.0f);
       float weights = 0.0f;
-      for_taps(cells, walls_, x, y, number, [&](size_t cell, float weight, float) {
+      for_taps(cells, in.walls, x, y, number, [&](size_t cell, float weight, float) {
         const float w = weight * cells.lights[cell].samples;
         sum += w * smooth_[cell];
         weights += w;
@@ -59,8 +80,10 @@ void IrradianceFilter::smooth(const IrradianceCells& cells, size_t number, Execu
   std::swap(smooth_, next_smooth_);
 }
 
-void IrradianceFilter::pass(const IrradianceCells& cells, size_t number, Executor& executor) {
-  executor.run(cells.rows, [&](size_t row, uint32_t) {
+void IrradianceFilter::pass(const Input& in, size_t number, CellRows rows, Executor& executor) {
+  const IrradianceCells& cells = in.cells;
+  executor.run(count(rows), [&](size_t index, uint32_t) {
+    const size_t row = rows.first + index;
     const auto y = static_cast<uint32_t>(row);
     for (uint32_t x = 0; x < cells.columns; ++x) {
       const size_t own = row * cells.columns + x;
@@ -68,7 +91,7 @@ void IrradianceFilter::pass(const IrradianceCells& cells, size_t number, Executo
       if (!(cells.places[own].width > 0.0f)) continue;
       glm::vec3 sum(0.0f);
       float weights = 0.0f;
-      for_taps(cells, walls_, x, y, number, [&](size_t cell, float weight, float distance) {
+      for_taps(cells, in.walls, x, y, number, [&](size_t cell, float weight, float distance) {
         const float w = weight * nearby(cells, own, cell, distance) * light_[cell].w;
         sum += w * glm::vec3(light_[cell]);
         weights += w;
@@ -85,30 +108,32 @@ float IrradianceFilter::nearby(const IrradianceCells& cells, size_t own, size_t 
   return std::max(1.0f - distance * std::min(std::max(smooth_[own].x, smooth_[other].x) / reach, nearest), 0.0f);
 }
 
-void IrradianceFilter::begin(const IrradianceCells& cells) {
-  const size_t count = cells.size();
-  light_.resize(count), next_.resize(count), smooth_.resize(count), next_smooth_.resize(count);
-  for (size_t i = 0; i < count; ++i) smooth_[i] = {cells.lights[i].nearness, cells.lights[i].open};
+void IrradianceFilter::begin(const IrradianceCells& cells, CellRows rows) {
+  const size_t size = cells.size();
+  light_.resize(size), next_.resize(size), smooth_.resize(size), next_smooth_.resize(size);
+  for (size_t i = size_t{rows.first} * cells.columns; i < size_t{rows.end} * cells.columns; ++i)
+    smooth_[i] = {cells.lights[i].nearness, cells.lights[i].open};
 }
 
 // Takes the control variate off: what the mask of the sky says already.
-void IrradianceFilter::take_mean_sky(const IrradianceCells& cells) {
-  for (size_t i = 0; i < cells.size(); ++i) {
+void IrradianceFilter::take_mean_sky(const IrradianceCells& cells, CellRows rows) {
+  for (size_t i = size_t{rows.first} * cells.columns; i < size_t{rows.end} * cells.columns; ++i) {
     const CellLight& light = cells.lights[i];
     light_[i] = glm::vec4(light.light - light.tint * smooth_[i].y, light.samples);
   }
 }
 
-void IrradianceFilter::spread(const IrradianceRequest& r, const IrradianceCells& cells, const Intersector& intersector,
-                              Executor& executor, IrradianceImage& image) {
+void IrradianceFilter::spread(const Input& in, PixelRows rows, const Intersector& intersector, Executor& executor,
+                              IrradianceImage& image) {
+  const IrradianceRequest& r = in.request;
   const FrameCamera camera(r.view, r.width, r.height);
-  fill_depths(executor, r.depth, camera, depths_);
   rows_.resize(executor.threads());
-  const CellsToSpread from{cells, walls_, light_};
+  const CellsToSpread from{in.cells, in.walls, light_};
   image.light.resize(size_t{4} * r.width * r.height);
-  executor.run(r.height, [&](size_t y, uint32_t worker) {
+  executor.run(rows.end - rows.first, [&](size_t index, uint32_t worker) {
+    const size_t y = rows.first + index;
     PixelRow& row = rows_[worker];
-    row.find(camera, from, intersector, &depths_[y * r.width], r.width, static_cast<uint32_t>(y));
+    row.find(camera, from, intersector, &in.depths[y * r.width], r.width, static_cast<uint32_t>(y));
     for (uint32_t x = 0; x < r.width; ++x) {
       const glm::vec4 light = row.light(from, x);
       uint16_t* texel = &image.light[4 * (y * r.width + x)];
@@ -120,10 +145,12 @@ void IrradianceFilter::spread(const IrradianceRequest& r, const IrradianceCells&
 }
 
 // Looks for walls between cells that are a few apart, as far as light is shared.
-void IrradianceFilter::look_for_walls(const IrradianceCells& cells, size_t number, const Intersector& intersector,
+void IrradianceFilter::look_for_walls(const Input& in, size_t number, CellRows rows, const Intersector& intersector,
                                       Executor& executor) {
+  const IrradianceCells& cells = in.cells;
   const auto step = static_cast<float>(CellWalls::steps[number]);
-  walls_.look(number, intersector, executor, [&](size_t a, size_t b, glm::vec3 apart) {
+  rows.first -= std::min(rows.first, CellWalls::steps[number]);  // which know what is above them
+  in.walls.look(number, rows, intersector, executor, [&](size_t a, size_t b, glm::vec3 apart) {
     const CellPlace &from = cells.places[a], &to = cells.places[b];
     if (!(likeness(from, to, apart, step) > 0.0f || likeness(to, from, apart, step) > 0.0f)) return false;
     if (!(cells.lights[a].samples + cells.lights[b].samples > 0.0f)) return false;
@@ -133,20 +160,21 @@ void IrradianceFilter::look_for_walls(const IrradianceCells& cells, size_t numbe
   });
 }
 
-void IrradianceFilter::apply(const IrradianceRequest& r, const IrradianceCells& cells, TracedScene& scene,
-                             IrradianceImage& image) {
+void IrradianceFilter::apply(const Input& in, PixelRows rows, TracedScene& scene, IrradianceImage& image) {
   Executor& executor = scene.executor();
-  begin(cells);
-  walls_.begin(cells, executor);
-  for (size_t number = 0; number < smooth_steps; ++number) look_for_walls(cells, number, scene.intersector(), executor);
-  if (r.denoise)
-    for (size_t number = 0; number < smooth_steps; ++number) smooth(cells, number, executor);
-  take_mean_sky(cells);
-  for (size_t number = 0; r.denoise && number < light_steps; ++number) {
-    if (number >= smooth_steps) look_for_walls(cells, number, scene.intersector(), executor);
-    pass(cells, number, executor);
+  const Intersector& intersector = scene.intersector();
+  const auto about = [&](uint32_t around) { return in.cells.rows_of(rows, around); };
+  begin(in.cells, about(read_in_all));
+  in.walls.begin(in.cells, executor);
+  for (size_t number = 0; number < smooth_steps; ++number) look_for_walls(in, number, about(read_after_smooth(0)), intersector, executor);
+  if (in.request.denoise)
+    for (size_t number = 0; number < smooth_steps; ++number) smooth(in, number, about(read_after_smooth(number)), executor);
+  take_mean_sky(in.cells, about(read_by_passes));
+  for (size_t number = 0; in.request.denoise && number < light_steps; ++number) {
+    if (number >= smooth_steps) look_for_walls(in, number, about(read_after_pass(number)), intersector, executor);
+    pass(in, number, about(read_after_pass(number)), executor);
   }
-  spread(r, cells, scene.intersector(), executor, image);
+  spread(in, rows, intersector, executor, image);
 }
 
 }  // namespace sideray::rt

@@ -4,6 +4,7 @@
 // what throws it (Ward et al. 1988, "A Ray Tracing Solution for Diffuse Interreflection"), and not behind a wall. Keeps its memory from frame to frame.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "rt/base/executor.h"
@@ -17,25 +18,27 @@ namespace sideray::rt {
 
 class IrradianceFilter {
  public:
-  // Writes the image from the cells. Same bits for any thread count.
-  void apply(const IrradianceRequest& request, const IrradianceCells& cells, TracedScene& scene, IrradianceImage& image);
-  // Of the frame that was filtered last.
-  const CellWalls& walls() const { return walls_; }
+  // The cells of a picture, walls between those of the frame before, which are found anew, and fill_depths() of its pixels.
+  struct Input {
+    const IrradianceRequest& request;
+    const IrradianceCells& cells;
+    CellWalls& walls;
+    std::span<const float> depths;
+  };
+  // Writes rows of the image's pixels from the cells: the same bits whichever rows are written together, for any thread count.
+  void apply(const Input& input, PixelRows rows, TracedScene& scene, IrradianceImage& image);
 
  private:
-  void begin(const IrradianceCells& cells);
-  void smooth(const IrradianceCells& cells, size_t number, Executor& executor);
-  void take_mean_sky(const IrradianceCells& cells);
-  void pass(const IrradianceCells& cells, size_t number, Executor& executor);
+  void begin(const IrradianceCells& cells, CellRows rows);
+  void smooth(const Input& input, size_t number, CellRows rows, Executor& executor);
+  void take_mean_sky(const IrradianceCells& cells, CellRows rows);
+  void pass(const Input& input, size_t number, CellRows rows, Executor& executor);
   float nearby(const IrradianceCells& cells, size_t own, size_t other, float distance) const;
-  void look_for_walls(const IrradianceCells& cells, size_t number, const Intersector& intersector, Executor& executor);
-  void spread(const IrradianceRequest& request, const IrradianceCells& cells, const Intersector& intersector, Executor& executor,
-              IrradianceImage& image);
+  void look_for_walls(const Input& input, size_t number, CellRows rows, const Intersector& intersector, Executor& executor);
+  void spread(const Input& input, PixelRows rows, const Intersector& intersector, Executor& executor, IrradianceImage& image);
 
   std::vector<glm::vec4> light_, next_;          // w: weight
   std::vector<glm::vec2> smooth_, next_smooth_;  // CellLight's nearness and open
-  CellWalls walls_;
-  std::vector<float> depths_;
   std::vector<PixelRow> rows_;  // of each thread
 };
 

@@ -1,9 +1,11 @@
 // Adds up the samples of a sequence's frames: a cell goes on with the mean that its surface had in the frame before, wherever
-// the camera has gone. One object a sequence. One thread begins and ends a frame; any may look back.
+// the camera has gone. Under a budget a frame finds the places of some rows of tiles anew, and carries the others along. One
+// object a sequence. One thread begins and ends a frame; any may look back.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "model/snapshot.h"
@@ -31,7 +33,14 @@ class IrradianceHistory {
   uint32_t frame() const { return number_; }
   // In which frame each tile was traced last, 0 = never.
   const std::vector<uint32_t>& turns() const { return turns_; }
-  void traced(size_t tile) { turns_[tile] = number_; }
+  void traced(size_t tile);
+  // Whether the frame stands for the last one: then its cells are none of the history's.
+  bool stands_for_last() const { return again_; }
+  // The frame's cells, to be filled, and walls between those of the frame before until the filter finds them anew.
+  IrradianceCells& cells() { return after_; }
+  CellWalls& walls() { return walls_; }
+  // As fill_depths() finds them.
+  std::span<const float> depths() const { return trail_.depths(); }
   // Memory of a thread that looks back.
   struct Scratch {
     std::vector<Ray> rays;
@@ -39,20 +48,39 @@ class IrradianceHistory {
     std::vector<uint8_t> occluded;
   };
   // Writes what is known of the cells of a tile whose places are known: no samples where nothing is, or where something stands
-  // between the place and the one that is known. `walls`: of the frame before.
-  void look_back(size_t tile, const std::vector<glm::u16vec2>& pixels, const CellWalls& walls, const Intersector& intersector,
-                 Scratch& scratch, IrradianceCells& cells) const;
+  // between the place and the one that is known.
+  void look_back(size_t tile, const std::vector<glm::u16vec2>& pixels, const Intersector& intersector, Scratch& scratch,
+                 IrradianceCells& cells) const;
+
+  // Returns the rows of tiles whose turn it is, next to each other: those that waited longest, from the middle of the picture
+  // outward, and as many as there is time for.
+  TileRows next_rows(const WorkTime& work) const;
+  // How many rows there is time for, at least one.
+  uint32_t rows_in(const WorkTime& work) const;
+  // Learns how long rows took.
+  void took(double ms, uint32_t rows);
+  // Fills all cells with what is known of the surface that they show, places included.
+  void carry_cells(Executor& executor);
+  // Fills the rest of the image with the last one's, where its surface was in that.
+  void carry_image(PixelRows but, Executor& executor, IrradianceImage& image);
+  // Rows of tiles of a position of a still view that are filtered, of those that are traced.
+  uint32_t filtered_rows = 0;
+
   // The frame is settled: what was known before is known after it.
   void keep();
-  // Learns what is known after the frame.
-  void end(const IrradianceCells& cells);
+  // The frame's cells are what is known after it.
+  void end();
 
  private:
+  bool carry(glm::uvec2 pixel, uint32_t from);
+
   static constexpr uint32_t most_samples = 32;  // more say little more
 
   bool settled_ = false, known_ = false, follows_ = false;
   float counted_ = 0.0f;      // samples that are counted at most
-  uint32_t stood_still_ = 0;  // frames in a row that were traced as a whole and in which nothing moved
+  bool stands_still_ = false;
+  std::vector<uint8_t> turns_at_rest_;  // of each tile, since something moved
+  double row_ms_ = 0.0;  // of a row of tiles; 0: not known yet
   std::shared_ptr<const model::Snapshot> posed_;
   uint32_t width_ = 0, height_ = 0, number_ = 0;
   bool shadows_ = false;
@@ -62,6 +90,8 @@ class IrradianceHistory {
   glm::dvec3 origin_{0.0};    // of the local space of after_
   glm::vec3 moved_{0.0f};     // that of before_, less this frame's
   IrradianceCells before_, after_;  // what is known before the frame, and after it
+  CellWalls walls_;
+  std::vector<uint16_t> light_then_;  // memory of carry_image()
   std::vector<uint32_t> turns_;
 };
 

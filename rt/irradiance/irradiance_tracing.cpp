@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <span>
 
 #include "model/stopwatch.h"
 #include "rt/base/largest.h"
@@ -39,6 +41,18 @@ FrameKey key_of(const IrradianceRequest& r) {
   return frame_key(r, bytes_through(&Inputs::exact, inputs));
 }
 
+// Calls visit(cell) for the cells of the tile that begins at a pixel.
+template <typename Visit>
+void for_cells_of_tile(const IrradianceCells& cells, uint32_t x0, uint32_t y0, const Visit& visit) {
+  for (uint32_t y = y0 / cell_side; y < std::min(y0 / cell_side + cells_across, cells.rows); ++y)
+    for (uint32_t x = x0 / cell_side; x < std::min(x0 / cell_side + cells_across, cells.columns); ++x)
+      visit(size_t{y} * cells.columns + x);
+}
+
+PixelRows pixels_of(TileRows rows, uint32_t height) {
+  return {rows.first * tile_size, std::min(rows.end * tile_size, height)};
+}
+
 glm::vec3 of_mean_one(glm::vec3 colour) {
   const float mean = (colour.x + colour.y + colour.z) / 3.0f;
   return mean > 0.0f ? colour / mean : glm::vec3(0.0f);
@@ -48,6 +62,7 @@ glm::vec3 of_mean_one(glm::vec3 colour) {
 
 struct IrradianceTracing::Worker {
   DepthPoints depth_points;
+  const PointTile* points = nullptr;  // of the tile whose places were found last
   DiffusePaths paths;
   HostShader host;
   std::vector<Ray> rays;
@@ -67,11 +82,17 @@ struct IrradianceTracing::Worker {
 };
 
 struct IrradianceTracing::Frame {
+  bool has_samples(uint32_t x, uint32_t y) const {
+    return cells.lights[size_t{y / cell_side} * cells.columns + x / cell_side].samples > 0.0f;
+  }
+
   const IrradianceRequest& request;
   const ViewRays& view;
   const ShadingScene& scene;
   const Intersector& intersector;
-  const IrradianceHistory* history;
+  IrradianceHistory* history;
+  IrradianceCells& cells;
+  std::span<const float> depths;
   uint32_t seed;  // of this frame of the sequence
   uint32_t columns;
   const SkyDirections* sky;  // null: black
@@ -81,31 +102,24 @@ struct IrradianceTracing::Frame {
 IrradianceTracing::IrradianceTracing(uint32_t threads) : workers_(threads) {}
 IrradianceTracing::~IrradianceTracing() = default;
 
-// Calls visit(cell) for the cells of the tile that begins at a pixel.
-template <typename Visit>
-void IrradianceTracing::for_cells_of_tile(uint32_t x0, uint32_t y0, const Visit& visit) const {
-  for (uint32_t y = y0 / cell_side; y < std::min(y0 / cell_side + cells_across, cells_.rows); ++y)
-    for (uint32_t x = x0 / cell_side; x < std::min(x0 / cell_side + cells_across, cells_.columns); ++x)
-      visit(size_t{y} * cells_.columns + x);
-}
-
 // Chooses the pixel of each cell, another one in each frame, and what is known of it.
 void IrradianceTracing::find_places(const Frame& f, Worker& w, uint32_t tile) {
   const IrradianceRequest& r = f.request;
   const uint32_t x0 = tile % f.columns * tile_size, y0 = tile / f.columns * tile_size;
-  for_cells_of_tile(x0, y0, [&](size_t cell) { cells_.places[cell] = {}, cells_.lights[cell] = {}; });
+  for_cells_of_tile(f.cells, x0, y0, [&](size_t cell) { f.cells.places[cell] = {}, f.cells.lights[cell] = {}; });
   const PointTile& points = w.depth_points.gather(depth_request(r), f.view, x0, y0);
+  w.points = &points;
   for_each_pixel(points.drawn, [&](uint32_t pixel) {
     const uint32_t x = x0 + column_in_tile(pixel), y = y0 + row_in_tile(pixel);
-    const size_t cell = size_t{y / cell_side} * cells_.columns + x / cell_side;
+    const size_t cell = size_t{y / cell_side} * f.cells.columns + x / cell_side;
     const uint32_t wanted = (f.seed + x / cell_side + y / cell_side) & 3u;  // neighbours take others
     const bool is_it = (x % cell_side) + (y % cell_side) * cell_side == wanted;
-    if (cells_.places[cell].width > 0.0f && !is_it) return;
+    if (f.cells.places[cell].width > 0.0f && !is_it) return;
     const DepthPoint p = point_at(points, pixel);
     const Ray ray = f.view.ray(x, y);
     const Cone cone = f.view.cone(x, y);
     const float distance = glm::dot(p.front - ray.origin, ray.direction);
-    cells_.places[cell] = {p.front, p.normal, std::max(cone.width + cone.spread * distance, 1e-20f), p.skip};
+    f.cells.places[cell] = {p.front, p.normal, std::max(cone.width + cone.spread * distance, 1e-20f), p.skip};
     pixels_[cell] = {x, y};
   });
   meet_lone_places(f, w, x0, y0);
@@ -115,8 +129,8 @@ void IrradianceTracing::find_places(const Frame& f, Worker& w, uint32_t tile) {
 // pass through a thin wall: a ray of the eye says it.
 void IrradianceTracing::meet_lone_places(const Frame& f, Worker& w, uint32_t x0, uint32_t y0) {
   w.rays.clear(), w.cells.clear();
-  for_cells_of_tile(x0, y0, [&](size_t cell) {
-    if (!(cells_.places[cell].width > 0.0f)) return;
+  for_cells_of_tile(f.cells, x0, y0, [&](size_t cell) {
+    if (!(f.cells.places[cell].width > 0.0f)) return;
     w.rays.push_back(f.view.ray(pixels_[cell].x, pixels_[cell].y));
     w.cells.push_back(static_cast<uint32_t>(cell));
   });
@@ -126,7 +140,7 @@ void IrradianceTracing::meet_lone_places(const Frame& f, Worker& w, uint32_t x0,
   w.counters.rays_bounce += w.rays.size();
   for (size_t i = 0; i < w.rays.size(); ++i) {
     const Ray& ray = w.rays[i];
-    CellPlace& place = cells_.places[w.cells[i]];
+    CellPlace& place = f.cells.places[w.cells[i]];
     const float distance = glm::dot(place.position - ray.origin, ray.direction), met = static_cast<float>(w.met[i].distance);
     if (w.met[i].instance == no_instance || std::abs(met - distance) > place.width) continue;
     const glm::vec3 normal = geometric_normal(*f.scene.snapshot, w.met[i]);
@@ -143,7 +157,7 @@ void IrradianceTracing::see_sky(const Frame& f, Worker& w) {
   const model::Environment& environment = *f.scene.snapshot->environment;
   w.sky_rays.clear(), w.sky_light.clear();
   for (size_t i = 0; i < w.cells.size(); ++i) {
-    const CellPlace& place = cells_.places[w.cells[i]];
+    const CellPlace& place = f.cells.places[w.cells[i]];
     const uint32_t key = random_key({w.keys[i], sky_purpose});
     const SkyDirections::Draw drawn = f.sky->draw(SkyDirections::facing(place.normal), place.normal,
                                                   {unit_float(key), unit_float(hash_bits(key))});
@@ -177,17 +191,24 @@ void IrradianceTracing::see_through_veils(const Frame& f, Worker& w) {
   }
 }
 
+// Finds the places of a tile's cells, and what is known of them.
+void IrradianceTracing::prepare(const Frame& f, Worker& w, uint32_t tile) {
+  find_places(f, w, tile);
+  if (f.history) f.history->look_back(tile, pixels_, f.intersector, w.looking_back, f.cells);
+}
+
+// The places of the tile were found just before.
 TraceEnd IrradianceTracing::trace_tile(const Frame& f, Worker& w, uint32_t tile) {
   const IrradianceRequest& r = f.request;
   const uint32_t x0 = tile % f.columns * tile_size, y0 = tile / f.columns * tile_size;
-  const PointTile& points = w.depth_points.gather(depth_request(r), f.view, x0, y0);
+  const PointTile& points = *w.points;
   const TileSamples samples({f.seed, sample_purpose, 0, 0, SIDERAY_EXACT}, x0, y0);
   w.rays.clear(), w.cones.clear(), w.keys.clear(), w.cells.clear();
   for_each_pixel(points.drawn, [&](uint32_t pixel) {
     const uint32_t x = x0 + column_in_tile(pixel), y = y0 + row_in_tile(pixel);
-    const size_t cell = size_t{y / cell_side} * cells_.columns + x / cell_side;
+    const size_t cell = size_t{y / cell_side} * f.cells.columns + x / cell_side;
     if (pixels_[cell] != glm::u16vec2(x, y)) return;
-    const CellPlace& place = cells_.places[cell];
+    const CellPlace& place = f.cells.places[cell];
     const glm::vec3 direction = frame_about(place.normal) * sample_cosine(samples.at(x, y, 0, 1));
     w.rays.push_back({place.position, place.skip, direction, farthest});
     w.cones.push_back({place.width, f.view.cone(x, y).spread});
@@ -207,29 +228,31 @@ TraceEnd IrradianceTracing::trace_tile(const Frame& f, Worker& w, uint32_t tile)
   if (by_host) add_work(w.host, {}, w.counters);
   w.samples.resize(w.cells.size());
   for (size_t i = 0; i < w.cells.size(); ++i) {
-    const float rise = glm::dot(w.rays[i].direction, cells_.places[w.cells[i]].normal);
+    const float rise = glm::dot(w.rays[i].direction, f.cells.places[w.cells[i]].normal);
     const float along = std::sqrt(std::max(1.0f - rise * rise, least_along));
     w.samples[i] = {.light = w.radiance[i], .nearness = w.nearness[i], .most_near = w.nearness[i] / along};
   }
   if (f.sky) see_sky(f, w);
   for (size_t i = 0; i < w.cells.size(); ++i) {
-    CellLight& light = cells_.lights[w.cells[i]];
+    CellLight& light = f.cells.lights[w.cells[i]];
     if (r.position_frames > 0) light = {};
     light.add(w.samples[i]);
   }
   return TraceEnd::complete;
 }
 
-// Counts the pixels of a tile that had no turn.
-void IrradianceTracing::count_left(const Frame& f, Worker& w, uint32_t tile) const {
-  for_cells_of_tile(tile % f.columns * tile_size, tile / f.columns * tile_size, [&](size_t cell) {
-    if (!(cells_.places[cell].width > 0.0f)) return;
-    constexpr uint64_t pixels = cell_side * cell_side;
-    (cells_.lights[cell].samples > 0.0f ? w.counters.irradiance_pixels_older : w.counters.irradiance_pixels_late) += pixels;
-    if (!f.history) return;
-    const uint64_t waits = f.history->frame() - f.history->turns()[tile];
-    w.counters.frames_waiting = std::max(w.counters.frames_waiting, waits);
-  });
+// Counts the pixels of a tile that had no turn; known(x, y): whether they have an answer of earlier frames.
+template <typename Known>
+void IrradianceTracing::count_left(const Frame& f, Worker& w, uint32_t tile, const Known& known) {
+  const uint32_t x0 = tile % f.columns * tile_size, y0 = tile / f.columns * tile_size, width = f.request.width;
+  for (uint32_t y = y0; y < std::min(y0 + tile_size, f.request.height); ++y)
+    for (uint32_t x = x0; x < std::min(x0 + tile_size, width); ++x) {
+      if (!(f.depths[size_t{y} * width + x] > 0.0f)) continue;
+      ++(known(x, y) ? w.counters.irradiance_pixels_older : w.counters.irradiance_pixels_late);
+    }
+  if (!f.history) return;
+  const uint64_t waits = f.history->frame() - f.history->turns()[tile];
+  w.counters.frames_waiting = std::max(w.counters.frames_waiting, waits);
 }
 
 // Goes on with what is known, without a ray.
@@ -241,47 +264,122 @@ Counters IrradianceTracing::keep(IrradianceHistory& history, const IrradianceReq
   return counters;
 }
 
+void IrradianceTracing::trace_all(const Frame& f, const std::vector<uint8_t>& traced, Executor& executor) {
+  for_light_tiles(
+      f.request, f.request.work, executor,
+      light_tile_order(f.request, f.history ? std::span(f.history->turns()) : std::span<const uint32_t>()), traced,
+      [&](uint32_t tile, uint32_t thread) { prepare(f, workers_[thread], tile); },
+      [&](uint32_t tile, uint32_t thread) { trace_tile(f, workers_[thread], tile); },
+      [&](uint32_t tile, uint32_t thread, bool is_traced) {
+        if (f.history && is_traced) f.history->traced(tile);
+        if (!is_traced) count_left(f, workers_[thread], tile, [&](uint32_t x, uint32_t y) { return f.has_samples(x, y); });
+      });
+}
+
+// Traces the rows of tiles whose turn it is, as a whole: a row costs little, and the filter needs what is beside. All others
+// show what they showed.
+TileRows IrradianceTracing::trace_rows(const Frame& f, Executor& executor, IrradianceImage& image) {
+  const IrradianceRequest& r = f.request;
+  const uint32_t rows = tile_count(r.height);
+  const TileRows chosen = f.history->next_rows(r.work);
+  f.history->carry_cells(executor);
+  f.history->carry_image(pixels_of(chosen, r.height), executor, image);
+  const auto is_shown = [&](uint32_t x, uint32_t y) { return image.light[4 * (size_t{y} * r.width + x) + 3] != 0; };
+  const TileRows around{chosen.first - std::min(chosen.first, 1u), std::min(chosen.end + 1, rows)};
+  executor.run(size_t{rows} * f.columns, [&](size_t index, uint32_t thread) {
+    const auto tile = static_cast<uint32_t>(index), row = tile / f.columns;
+    if (row >= chosen.first && row < chosen.end) return;
+    if (row >= around.first && row < around.end) prepare(f, workers_[thread], tile);
+    count_left(f, workers_[thread], tile, is_shown);
+  });
+  std::vector<uint32_t> order(size_t{chosen.end - chosen.first} * f.columns);
+  std::iota(order.begin(), order.end(), chosen.first * f.columns);
+  order_by_turns(f.history->turns(), order);
+  const WorkTime work{.pieces = r.work.pieces};
+  for_light_tiles(
+      r, work, executor, order, {}, [&](uint32_t tile, uint32_t thread) { prepare(f, workers_[thread], tile); },
+      [&](uint32_t tile, uint32_t thread) { trace_tile(f, workers_[thread], tile); },
+      [&](uint32_t tile, uint32_t thread, bool is_traced) {
+        if (is_traced) f.history->traced(tile);
+        else count_left(f, workers_[thread], tile, [&](uint32_t x, uint32_t y) { return f.has_samples(x, y); });
+      });
+  return chosen;
+}
+
+// Traces tiles that the position lacks. Once it lacks none, returns rows that are to be filtered; none before.
+TileRows IrradianceTracing::trace_position(const Frame& f, Executor& executor) {
+  const IrradianceRequest& r = f.request;
+  IrradianceHistory& history = *f.history;
+  if (r.position_frames == 1 || history.frame() == 1) history.carry_cells(executor), history.filtered_rows = 0;
+  const std::vector<uint32_t>& turns = history.turns();
+  std::vector<uint8_t> lacking(turns.size());
+  for (size_t tile = 0; tile < turns.size(); ++tile) lacking[tile] = turns[tile] == 0 || history.frame() - turns[tile] >= r.position_frames;
+  std::atomic<bool> is_whole{true};
+  for_light_tiles(
+      r, r.work, executor, light_tile_order(r, turns), lacking, [](uint32_t, uint32_t) {},
+      [&](uint32_t tile, uint32_t thread) {
+        find_places(f, workers_[thread], tile);
+        trace_tile(f, workers_[thread], tile);
+      },
+      [&](uint32_t tile, uint32_t thread, bool is_traced) {
+        if (is_traced) return history.traced(tile);
+        count_left(f, workers_[thread], tile, [&](uint32_t x, uint32_t y) { return f.has_samples(x, y); });
+        is_whole = false;
+      });
+  if (!is_whole) return {};
+  const uint32_t first = history.filtered_rows, rows = tile_count(r.height);
+  history.filtered_rows = r.work.pieces ? rows : std::min(first + history.rows_in(r.work), rows);
+  return {first, history.filtered_rows};
+}
+
 Counters IrradianceTracing::trace(const IrradianceRequest& r, TracedScene& scene, IrradianceImage& image) {
   check_light(r, "irradiance");
   const auto hash = [&] { return StillFrames::Hashes{hash_depth(scene.executor(), r.depth, r.width, r.height, 0), {}}; };
-  image.changed = !(r.still && r.still->begin(key_of(r), r.sequence, scene.committed(), hash) &&
-                    image.width == r.width && image.height == r.height);
+  const bool fits = image.width == r.width && image.height == r.height;
+  image.changed = !(r.still && r.still->begin(key_of(r), r.sequence, scene.committed(), hash) && fits);
   if (!image.changed) return r.still->counters();
   const std::vector<uint8_t> traced = traced_tiles(r.wanted, r.width, read_around);
   if (r.history && !traced.empty()) r.history->forget();
   IrradianceHistory* history = traced.empty() ? r.history : nullptr;
   if (history) history->begin(r, scene);
-  image.changed = !(history && history->is_settled() && image.width == r.width && image.height == r.height);
+  image.changed = !(history && history->is_settled() && fits);
   if (!image.changed) return keep(*history, r);
   image.width = r.width;
   image.height = r.height;
-  cells_.fit(r.width, r.height);
-  pixels_.resize(cells_.size());
+  if (!fits) image.light.assign(size_t{4} * r.width * r.height, 0);
+  const bool keeps = history && !history->stands_for_last();
+  IrradianceCells& cells = keeps ? history->cells() : cells_;
+  cells.fit(r.width, r.height);
+  pixels_.resize(cells.size());
+  Executor& executor = scene.executor();
+  if (!keeps) fill_depths(executor, r.depth, FrameCamera(r.view, r.width, r.height), depths_);
+  const std::span<const float> depths = keeps ? history->depths() : depths_;
   for (Worker& worker : workers_) worker.counters = {};
   const ViewRays view(r.view, r.width, r.height);
   const bool is_later = history && history->frame() > 1 && r.position_frames == 0;
   const uint32_t seed = is_later ? random_key({r.seed, history->frame()}) : r.seed;
   const SkyDirections* sky = scene.sky().black() ? nullptr : &scene.sky();
-  const Frame frame{r, view, scene.shading(), scene.intersector(), history, seed, tile_count(r.width), sky,
+  const Frame frame{r, view, scene.shading(), scene.intersector(), history, cells, depths, seed, tile_count(r.width), sky,
                     veils_sky(*scene.shading().snapshot)};
-  for_light_tiles(
-      r, scene.executor(), history ? std::span(history->turns()) : std::span<const uint32_t>(), traced,
-      [&](uint32_t tile, uint32_t thread) {
-        find_places(frame, workers_[thread], tile);
-        if (history) history->look_back(tile, pixels_, filter_.walls(), scene.intersector(), workers_[thread].looking_back, cells_);
-      },
-      [&](uint32_t tile, uint32_t thread) { trace_tile(frame, workers_[thread], tile); },
-      [&](uint32_t tile, uint32_t thread, bool is_traced) {
-        if (history && is_traced) history->traced(tile);
-        if (!is_traced) count_left(frame, workers_[thread], tile);
-      });
-  if (history && !(r.cancelled && r.cancelled->load())) history->end(cells_);
+  const Stopwatch tracing;
+  TileRows rows{0, tile_count(r.height)};
+  const bool in_parts = keeps && is_bounded(r.work);
+  if (!in_parts) trace_all(frame, traced, executor);
+  else if (r.position_frames == 0) rows = trace_rows(frame, executor, image);
+  else rows = trace_position(frame, executor);
+  if (history && !(r.cancelled && r.cancelled->load())) history->end();
   Counters sum;
   for (const Worker& worker : workers_) sum += worker.counters;
   sum.pixels_total = uint64_t{r.width} * r.height;
   const Stopwatch watch;
-  filter_.apply(r, cells_, scene, image);
+  if (rows.first < rows.end)
+    filter_.apply({r, cells, keeps ? history->walls() : walls_, depths}, pixels_of(rows, r.height), scene, image);
   if (r.denoise) sum.denoise_ms = watch.ms();
+  if (in_parts && rows.first < rows.end) history->took(r.position_frames == 0 ? tracing.ms() : watch.ms(), rows.end - rows.first);
+  if (in_parts && r.position_frames > 0 && rows.end < tile_count(r.height)) {
+    image.changed = !fits;
+    sum.frames_waiting = std::max<uint64_t>(sum.frames_waiting, r.position_frames);
+  }
   if (r.still) r.still->end(sum, !is_bounded(r.work) && traced.empty());
   return sum;
 }

@@ -25,18 +25,24 @@ class IrradianceTracing {
   struct Worker;  // memory of one thread, kept from frame to frame
   struct Frame;
   void find_places(const Frame& frame, Worker& worker, uint32_t tile);
+  void prepare(const Frame& frame, Worker& worker, uint32_t tile);
   void meet_lone_places(const Frame& frame, Worker& worker, uint32_t x0, uint32_t y0);
-  template <typename Visit>
-  void for_cells_of_tile(uint32_t x0, uint32_t y0, const Visit& visit) const;
   void see_sky(const Frame& frame, Worker& worker);
   static void see_through_veils(const Frame& frame, Worker& worker);
   TraceEnd trace_tile(const Frame& frame, Worker& worker, uint32_t tile);
   static Counters keep(IrradianceHistory& history, const IrradianceRequest& request);
-  void count_left(const Frame& frame, Worker& worker, uint32_t tile) const;
+  template <typename Known>
+  static void count_left(const Frame& frame, Worker& worker, uint32_t tile, const Known& known);
+  void trace_all(const Frame& frame, const std::vector<uint8_t>& traced, Executor& executor);
+  TileRows trace_rows(const Frame& frame, Executor& executor, IrradianceImage& image);
+  TileRows trace_position(const Frame& frame, Executor& executor);
 
   std::vector<Worker> workers_;
-  IrradianceCells cells_;
   std::vector<glm::u16vec2> pixels_;  // of each cell, the one that is traced
+  // Of a frame without history.
+  IrradianceCells cells_;
+  CellWalls walls_;
+  std::vector<float> depths_;
   IrradianceFilter filter_;
 };
 

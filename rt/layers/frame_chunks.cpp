@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <numeric>
 
 #include "rt/base/deadline.h"
 
@@ -36,12 +37,13 @@ std::vector<uint32_t> cut(const std::vector<PixelRequest>& pixels, size_t most, 
 void FrameChunks::gather(const LayerRequest& request, const PixelSelection& selection, Executor& executor) {
   gather_pixels(request, selection, executor, frame_);
   order_.clear();
+  first_parts_ = 1;
   const bool bounded = is_bounded(request.work);
   starts_ = cut(frame_.pixels, bounded ? pixels_in_late_chunk : pixels_in_chunk(frame_.pixels.size()), bounded);
   if (bounded) order_ = order_of_importance(frame_.pixels, starts_, request.width, request.height);
 }
 
-void FrameChunks::take_turns(const LastTurn& last_turn, Executor& executor) {
+void FrameChunks::take_turns(const LayerRequest& request, const LastTurn& last_turn, Executor& executor) {
   constexpr size_t chunks_in_piece = 64;
   std::vector<uint32_t> turns(count());
   executor.run((turns.size() + chunks_in_piece - 1) / chunks_in_piece, [&](size_t piece, uint32_t) {
@@ -49,6 +51,22 @@ void FrameChunks::take_turns(const LastTurn& last_turn, Executor& executor) {
     for (size_t i = first; i < std::min(first + chunks_in_piece, turns.size()); ++i) turns[i] = last_turn(chunk(i));
   });
   order_by_turns(turns, order_);
+  if (request.work.ends_in_time && !order_.empty()) cut_first();
+}
+
+void FrameChunks::cut_first() {
+  constexpr uint32_t part = 8;  // pixels
+  const uint32_t first = order_.front(), begin = starts_[first], end = starts_[first + 1];
+  std::vector<uint32_t> cuts;
+  for (uint32_t pixel = begin + part; pixel < end; pixel += part) cuts.push_back(pixel);
+  starts_.insert(starts_.begin() + first + 1, cuts.begin(), cuts.end());
+  const auto more = static_cast<uint32_t>(cuts.size());
+  for (uint32_t& chunk : order_)
+    if (chunk > first) chunk += more;
+  std::vector<uint32_t> parts(more);
+  std::iota(parts.begin(), parts.end(), first + 1);
+  order_.insert(order_.begin() + 1, parts.begin(), parts.end());
+  first_parts_ = 1 + more;
 }
 
 std::span<const PixelRequest> FrameChunks::chunk(size_t index) const {
@@ -59,7 +77,9 @@ TraceEnd FrameChunks::run(const LayerRequest& request, Executor& executor, const
                           Counters& counters) const {
   std::atomic<bool> cancelled{false};
   std::atomic<uint64_t> late{0};
-  WorkClock clock(request.work);
+  WorkTime work = request.work;
+  if (work.least_pieces > 0) work.least_pieces += first_parts_ - 1;
+  WorkClock clock(work);
   std::atomic<size_t> next{0};
   executor.run(count(), [&](size_t numbered, uint32_t thread) {
     if (cancelled || (request.cancelled && request.cancelled->load())) {

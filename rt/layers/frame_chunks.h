@@ -23,8 +23,9 @@ class FrameChunks {
   void gather(const LayerRequest& request, const PixelSelection& selection, Executor& executor);
   // Returns in which frame pixels were traced last, 0 = some never.
   using LastTurn = std::function<uint32_t(std::span<const PixelRequest>)>;
-  // Lets the chunks of a request under a deadline take turns over frames, the least recently traced first.
-  void take_turns(const LastTurn& last_turn, Executor& executor);
+  // Lets the chunks of a request under a deadline take turns over frames, the least recently traced first. A frame without
+  // time for more traces only that one: it is cut into parts for several threads.
+  void take_turns(const LayerRequest& request, const LastTurn& last_turn, Executor& executor);
 
   const FramePixels& frame() const { return frame_; }
   size_t count() const { return starts_.size() - 1; }
@@ -41,9 +42,12 @@ class FrameChunks {
                Counters& counters) const;
 
  private:
+  void cut_first();
+
   FramePixels frame_;
   std::vector<uint32_t> starts_{0};  // first pixel of each chunk, and behind the last
   std::vector<uint32_t> order_;  // in which chunks are taken; empty = as they are numbered
+  size_t first_parts_ = 1;       // of the chunk that is taken first
 };
 
 }  // namespace sideray::rt

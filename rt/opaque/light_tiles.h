@@ -14,21 +14,28 @@
 
 namespace sideray::rt {
 
-// For each tile of the picture, unless the request is cancelled, calls prepare(tile, thread); and, where the tile is in
-// `traced` (empty: all are), trace(tile, thread) if there is time for it, and end(tile, thread, whether it was traced).
-// `turns`: as in order_by_turns(), empty where there is no history.
-template <typename Prepare, typename Trace, typename End>
-void for_light_tiles(const LightRequest& r, Executor& executor, std::span<const uint32_t> turns,
-                     const std::vector<uint8_t>& traced, const Prepare& prepare, const Trace& trace, const End& end) {
-  const uint32_t columns = tile_count(r.width), rows = tile_count(r.height);
+// Returns the tiles of the picture in the order in which they are to be traced; empty: as they are numbered. `turns`: as in
+// order_by_turns(), empty where there is no history.
+inline std::vector<uint32_t> light_tile_order(const LightRequest& r, std::span<const uint32_t> turns) {
   std::vector<uint32_t> order;
-  if (is_bounded(r.work)) order = order_of_importance(columns, rows);
-  if (is_bounded(r.work) && !turns.empty()) order_by_turns(turns, order);
+  if (!is_bounded(r.work)) return order;
+  order = order_of_importance(tile_count(r.width), tile_count(r.height));
+  if (!turns.empty()) order_by_turns(turns, order);
+  return order;
+}
+
+// For each tile of `order` (empty: of the picture), unless the request is cancelled, calls prepare(tile, thread); and, where
+// the tile is in `traced` (empty: all are), trace(tile, thread) if there is time for it, and end(tile, thread, whether it was
+// traced).
+template <typename Prepare, typename Trace, typename End>
+void for_light_tiles(const LightRequest& r, const WorkTime& work, Executor& executor, const std::vector<uint32_t>& order,
+                     const std::vector<uint8_t>& traced, const Prepare& prepare, const Trace& trace, const End& end) {
+  const size_t count = order.empty() ? size_t{tile_count(r.width)} * tile_count(r.height) : order.size();
   TileReach* reach = r.wanted ? r.wanted->reach.get() : nullptr;
   if (reach) reach->fit(r.view, r.width, r.height, r.depth);
-  WorkClock clock(r.work);
+  WorkClock clock(work);
   std::atomic<size_t> next{0};
-  executor.run(size_t{columns} * rows, [&](size_t numbered, uint32_t thread) {
+  executor.run(count, [&](size_t numbered, uint32_t thread) {
     if (r.cancelled && r.cancelled->load()) return;
     const size_t number = order.empty() ? numbered : next++;
     const auto tile = order.empty() ? static_cast<uint32_t>(numbered) : order[number];

@@ -14,7 +14,7 @@ namespace {
 
 using namespace test;
 
-constexpr uint32_t width = 64, height = 48;
+constexpr uint32_t width = 64, height = 48, tile = frame_tile_size;
 
 sideray_material_desc matt(float albedo, glm::vec3 emission) {
   sideray_material_desc m = glowing(emission);
@@ -41,9 +41,10 @@ std::shared_ptr<const model::Snapshot> furnace(float albedo, glm::vec3 emission)
 
 // The depth of the plane y = -2, as a rasterizer stores it; upper pixels show nothing.
 struct FloorFrame {
-  TraceView view = perspective({0, 0, 0}, {0, -1.2, -1.0}, 0.6, double{width} / height);
+  TraceView view;
   DepthBuffer depth{width, height, 0.0f, 0};
-  FloorFrame() {
+  explicit FloorFrame(double aside = 0.0)
+      : view(perspective({aside, 0, 0}, {aside, -1.2, -1.0}, 0.6, double{width} / height)) {
     const ViewRays rays(view, width, height);
     for (uint32_t y = 0; y < height; ++y)
       for (uint32_t x = 0; x < width; ++x) {
@@ -248,6 +249,59 @@ TEST(Irradiance, UnderABudgetComesToTheSameBits) {
     EXPECT_EQ(image.light == whole.light, turn == tiles) << turn;
   }
   EXPECT_EQ(late, 0u);
+}
+
+// Views of several sizes share a tracer, and each has a history of its own.
+TEST(Irradiance, OfAViewKnowsNothingOfAnothers) {
+  const FloorFrame frame;
+  Tracer tracer({2, ""});
+  tracer.set_scene(furnace(0.5f, glm::vec3(1.0f)));
+  const auto trace = [&](bool with_other) {
+    IrradianceHistory history, of_other;
+    IrradianceImage image, other;
+    IrradianceRequest request = frame.request();
+    for (int i = 0; i < 4; ++i) {
+      request.sequence = i == 0 ? SequenceStep::first : SequenceStep::next;
+      request.width = width, request.height = height, request.history = &history;
+      tracer.trace_irradiance(request, image);
+      request.width = request.height = tile, request.history = &of_other;  // a corner of the picture
+      if (with_other) tracer.trace_irradiance(request, other);
+    }
+    return image.light;
+  };
+  EXPECT_EQ(trace(true), trace(false));
+}
+
+// A camera that moves under a budget: a frame traces a row of tiles, and shows what it showed elsewhere.
+TEST(Irradiance, OfAMovingCameraUnderABudgetIsCarriedAlong) {
+  Tracer tracer({2, ""});
+  tracer.set_scene(furnace(0.5f, glm::vec3(1.0f)));
+  IrradianceHistory history;
+  IrradianceImage image;
+  constexpr uint32_t columns = width / tile, rows = (height + tile - 1) / tile;
+  for (uint32_t i = 0; i < 6; ++i) {
+    const FloorFrame frame(0.01 * i);
+    PiecesLeft pieces{columns};
+    IrradianceRequest request = frame.request();
+    request.history = &history;
+    request.work.pieces = &pieces;
+    request.sequence = i == 0 ? SequenceStep::first : SequenceStep::next;
+    const Counters counters = tracer.trace_irradiance(request, image);
+    EXPECT_GT(counters.rays_bounce, 0u);
+    size_t known = 0;
+    for (size_t t = 0; t < size_t{width} * height; ++t) {
+      if (image.light[4 * t + 3] == 0) continue;
+      ++known;
+      EXPECT_NEAR(rgb(image.light, t).x, 2.0f, 0.5f) << "frame " << i << ", pixel " << t;
+    }
+    const uint64_t fresh = width * height - counters.irradiance_pixels_older - counters.irradiance_pixels_late;
+    EXPECT_EQ(fresh, i % rows == 0 ? width * (height - tile) : width * tile) << i;
+    EXPECT_EQ(known, width * height - counters.irradiance_pixels_late) << i;
+    if (i >= rows) {
+      EXPECT_LT(counters.irradiance_pixels_late, width * height / 20) << i;
+      EXPECT_GT(counters.irradiance_pixels_older, 0u) << i;
+    }
+  }
 }
 
 }  // namespace
