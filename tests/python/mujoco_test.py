@@ -423,3 +423,19 @@ def test_channels_of_one_picture(has_own_renderer):
         inside = away_from_edges(expected[2]) & (expected[2] == drawn["segmentation"]).all(-1)
         assert (expected[2] != drawn["segmentation"]).any(-1).mean() < 0.01
         assert np.isclose(expected[1][inside], drawn["depth"][inside], rtol=5e-3).mean() > 0.999
+
+
+def test_channels_are_the_first_surfaces_of_the_picture():
+    """Glass included; and what is opaque is drawn once for all of them."""
+    opaque = SHAPES.format("checker")
+    glass = '<geom type="sphere" size=".4" pos="0 .9 .4" material="glass"/>'
+    for world, is_drawn_once in ((opaque, True), (opaque + glass, False)):
+        model = model_of(world)
+        with sideray_mujoco.Renderer(model, HEIGHT, WIDTH, aov="first") as renderer:
+            renderer.update_scene(data_of(model), view(model))
+            drawn = renderer.render_channels()
+            far = np.float32(renderer.scene.camera[0].frustum_far)
+            first = renderer.picture
+            assert np.isclose(drawn["depth"], np.minimum(first["first.Z"], far), rtol=1e-5).mean() > 0.9999
+            assert (drawn["segmentation"] == renderer.objects[first["first.surface"]]).mean() > 0.9999
+            assert (renderer._round is None) == is_drawn_once

@@ -56,6 +56,7 @@ class Renderer:
         self._renderer = _Renderer(gl, device, threads)
         self._drawn: Optional[Mirror] = None
         self._solid: Optional[Mirror] = None
+        self._round: Optional[Mirror] = None  # solid, with the shapes of what is drawn
         self._depth_rendering = self._segmentation_rendering = False
         self._pictures: Optional[Pictures] = None
 
@@ -163,7 +164,7 @@ class Renderer:
     def render_channels(self, channels: Sequence[str] = ("rgb", "depth", "segmentation")) -> Dict[str, Array]:
         """Draws one picture and returns several channels of it, each as render() returns it, by name.
 
-        It takes hardly longer than colour alone. Depth and segmentation are of colour's shapes, which are rounder than those that
+        It takes little longer than colour alone. Depth and segmentation are of colour's shapes, which are rounder than those that
         render() draws for them alone, and have objects of a script's own and markers, too.
         """
         if self._renderer is None:
@@ -173,14 +174,29 @@ class Renderer:
                 raise ValueError(f"channels: {name!r} is none; give some of 'rgb', 'depth' and 'segmentation'")
         if not self._has_camera():
             return {name: self._nothing(name) for name in channels}
-        drawn: Dict[str, Array] = {"rgb": self._color(with_first=True)}
-        assert self._drawn is not None and self._pictures is not None
-        depth, surface = ("first.Z", "first.surface") if "first.Z" in self._pictures.channels else ("Z", "id.surface")
-        if "depth" in channels:
-            drawn["depth"] = np.minimum(self._of(self._pictures, depth), np.float32(self._scene.camera[0].frustum_far))
-        if "segmentation" in channels:
-            drawn["segmentation"] = self._drawn.objects[self._of(self._pictures, surface)]
+        drawn: Dict[str, Array] = {"rgb": self._color()} if "rgb" in channels else {}
+        others = [name for name in channels if name != "rgb"]
+        if others:
+            pictures, mirror = self._surfaces(bool(drawn))
+            drawn.update({name: self._shown_surfaces(name, pictures, mirror) for name in others})
         return {name: drawn[name] for name in channels}
+
+    def _surfaces(self, has_color: bool) -> Tuple[Pictures, Mirror]:
+        """Pictures of the first surfaces of what colour shows: those of colour, where all of it is opaque and seen through the
+        middle of each pixel."""
+        if has_color and self._drawn and self._pictures and not self._drawn.shows_through and self._options.get("samples", 1) == 1:
+            return self._pictures, self._drawn
+        if self._round is None:
+            self._round = Mirror(self._model, self._look, is_solid=True, is_round=True)
+        self._round.update(self._scene)
+        return self._render(self._round, {"color": False})[0], self._round
+
+    def _shown_surfaces(self, channel: str, pictures: Pictures, mirror: Mirror) -> Array:
+        if channel == "segmentation":
+            objects: Array = mirror.objects[self._of(pictures, "id.surface")]
+            return objects
+        depth: Array = np.minimum(self._of(pictures, "Z"), np.float32(self._scene.camera[0].frustum_far))
+        return depth
 
     @property
     def _channel(self) -> str:
@@ -269,15 +285,11 @@ class Renderer:
         self._show(0)
         return Pictures(pictures), cameras
 
-    def _color(self, with_first: bool = False) -> Array:
-        """with_first: the first surface of each pixel is a channel, where `Z` and `id` are not of it already."""
+    def _color(self) -> Array:
         if self._drawn is None:
-            self._drawn = Mirror(self._model, self._look, False)
+            self._drawn = Mirror(self._model, self._look, is_solid=False, is_round=True)
         self._drawn.update(self._scene)
         options = dict(self._options)
-        if with_first and (self._drawn.shows_through or options.get("samples", 1) != 1):
-            given = options.get("aov", ())
-            options["aov"] = [*(given.split(",") if isinstance(given, str) else given), "first"]
         flags = self._scene.flags
         if not flags[_FLAG.mjRND_SHADOW] or not any(l.castshadow for l in self._scene.lights[:self._scene.nlight]):
             options.setdefault("shadows", "off")
@@ -300,11 +312,6 @@ class Renderer:
 
     def _depth_or_segmentation(self, channel: str) -> Array:
         if self._solid is None:
-            self._solid = Mirror(self._model, self._look, True)
+            self._solid = Mirror(self._model, self._look, is_solid=True, is_round=False)
         self._solid.update(self._scene)
-        pictures, _ = self._render(self._solid, {"color": False})
-        if channel == "segmentation":
-            objects: Array = self._solid.objects[self._of(pictures, "id.surface")]
-            return objects
-        depth: Array = np.minimum(self._of(pictures, "Z"), np.float32(self._scene.camera[0].frustum_far))
-        return depth
+        return self._shown_surfaces(channel, self._render(self._solid, {"color": False})[0], self._solid)

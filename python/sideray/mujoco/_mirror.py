@@ -106,10 +106,11 @@ def camera_of(source: Any, size: Tuple[int, int]) -> Camera:
 
 
 class Mirror:
-    """Draws what mjv_updateScene wrote. is_solid: everything is opaque and without light, for depth and segmentation."""
+    """Draws what mjv_updateScene wrote. is_solid: everything is opaque and without light, for depth and segmentation. is_round: with
+    the shapes of colour, and all that colour shows; otherwise with MuJoCo's shapes, and what its segmentation has."""
 
-    def __init__(self, model: Any, look: Look, is_solid: bool) -> None:
-        self.model, self.look, self.is_solid = model, look, is_solid
+    def __init__(self, model: Any, look: Look, is_solid: bool, is_round: bool) -> None:
+        self.model, self.look, self.is_solid, self.is_round = model, look, is_solid, is_round
         self.scene = Scene(env=None, default_light=False)
         #: Of each surface id: (objid, objtype); row 0 is what is behind everything.
         self.objects = np.full((1, 2), -1, np.int32)
@@ -133,7 +134,7 @@ class Mirror:
         self.shows_through = False
         quality = model.vis.quality
         self._slices, self._stacks = max(int(quality.numslices), 3), max(int(quality.numstacks), 2)
-        if not is_solid:  # what is refracted shows every edge; outlines are those of segmentation or rounder
+        if is_round:  # what is refracted shows every edge
             self._slices, self._stacks = max(self._slices, 48), max(self._stacks, 32)
 
     def update(self, source: Any) -> None:
@@ -226,7 +227,7 @@ class Mirror:
         counts: Dict[Tuple[int, int, int, int], int] = {}
         self._endless, self._scales = {}, {}
         for geom in source.geoms[:source.ngeom]:
-            if geom.rgba[3] == 0 or (self.is_solid and geom.segid < 0):
+            if geom.rgba[3] == 0 or (not self.is_round and geom.segid < 0):
                 continue
             if geom.type not in (_FLEX, _SKIN) and not np.any(geom.mat):  # it has no place before mj_forward()
                 continue
