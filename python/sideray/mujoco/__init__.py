@@ -59,6 +59,7 @@ class Renderer:
         self._round: Optional[Mirror] = None  # solid, with the shapes of what is drawn
         self._depth_rendering = self._segmentation_rendering = False
         self._pictures: Optional[Pictures] = None
+        self._seen: Optional[Tuple[Optional[Pictures], Pictures, Mirror]] = None  # of colour pictures, their first surfaces
 
     @property
     def model(self) -> MjModel:
@@ -186,10 +187,13 @@ class Renderer:
         middle of each pixel."""
         if has_color and self._drawn and self._pictures and not self._drawn.shows_through and self._options.get("samples", 1) == 1:
             return self._pictures, self._drawn
+        if has_color and self._seen and self._seen[0] is self._pictures:
+            return self._seen[1:]
         if self._round is None:
             self._round = Mirror(self._model, self._look, is_solid=True, is_round=True)
         self._round.update(self._scene)
-        return self._render(self._round, {"color": False})[0], self._round
+        self._seen = self._pictures, self._render(self._round, {"color": False})[0], self._round
+        return self._seen[1:]
 
     def _shown_surfaces(self, channel: str, pictures: Pictures, mirror: Mirror) -> Array:
         if channel == "segmentation":
@@ -299,13 +303,26 @@ class Renderer:
         options.setdefault("tonemap", "pbr-neutral" if self._look.linear else "none")
         self._pictures, cameras = self._render(self._drawn, options)
         backdrop = self._drawn.backdrop(bool(flags[_FLAG.mjRND_SKYBOX]))
-        shown = [self._shown(picture, camera, backdrop, options) for picture, camera in zip(self._pictures, cameras)]
+        hazes = self._hazes(cameras)
+        shown = [self._shown(*of_one, backdrop, options) for of_one in zip(self._pictures, cameras, hazes)]
         return np.stack(shown) if self._batch else shown[0]
 
-    def _shown(self, picture: Picture, camera: Camera, backdrop: Backdrop, options: Mapping[str, Any]) -> Array:
+    def _hazes(self, cameras: Sequence[Camera]) -> List[Optional[Dict[str, Any]]]:
+        """What each picture shows of the haze around an endless plane: in pixels in which nothing else is seen."""
+        assert self._drawn is not None
+        flags, size = self._scene.flags, (self._width, self._height)
+        has_haze = flags[_FLAG.mjRND_HAZE] and flags[_FLAG.mjRND_SKYBOX] and self._drawn.sky is not None
+        if not has_haze or not any(self._drawn.haze(self._scene, camera, size) for camera in cameras):
+            return [None] * len(cameras)
+        pictures, mirror = self._surfaces(has_color=True)
+        hazes = [mirror.haze(self._scene, camera, size) for camera in cameras]
+        return [None if haze is None else {**haze, "surfaces": picture.ids} for haze, picture in zip(hazes, pictures)]
+
+    def _shown(self, picture: Picture, camera: Camera, haze: Optional[Dict[str, Any]], backdrop: Backdrop,
+               options: Mapping[str, Any]) -> Array:
         corner, across, down = camera._directions(picture.size)
         rgb = _native.with_backdrop([picture[name] for name in "RGBA"], *backdrop, corner, across, down,
-                                    picture.stats["threads"])
+                                    picture.stats["threads"], haze)
         if self._look.linear:
             return _native.display(np.maximum(rgb, 0), options.get("exposure", 0.0), options["tonemap"])
         return _native.as_bytes(rgb)

@@ -29,6 +29,8 @@ Backdrop = Tuple[Array, Optional[Array], float, bool]
 _Key = Tuple[Tuple[int, int, int, int], int]
 # Meshes and materials that no geom uses any more are kept, up to so many.
 _KEPT = 256
+# Where the sky is, in distances of the far plane: planes without an end are not seen beyond it.
+_SKY = 0.7
 # The alpha of planes that are seen from behind, as MuJoCo has it.
 _SEEN_FROM_BELOW = 0.5
 
@@ -47,6 +49,16 @@ def _places(states: Sequence[Any], what: int, numbers: Sequence[int]) -> Tuple[A
     # Scenes of MuJoCo have them in single precision.
     return (np.stack([getattr(state, positions)[numbers] for state in states]).astype(np.float32),
             np.stack([getattr(state, turns)[numbers] for state in states]).astype(np.float32).reshape(len(states), -1, 3, 3))
+
+
+def _sees_haze(camera: Camera, size: Tuple[int, int], up: Array, edge: float, share: float) -> bool:
+    """Whether some of a picture looks between the horizon and where the haze begins. edge: how steeply one looks at its middle."""
+    corner, across, down = camera._directions(size)
+    x, y = np.meshgrid(np.linspace(0, size[0], 17), np.linspace(0, size[1], 17))
+    looks = corner + x[..., None] * across + y[..., None] * down
+    falls = -(looks @ up)
+    along = np.linalg.norm(looks + falls[..., None] * up, axis=-1)
+    return bool(((falls > 0) & (1.05 * along * edge > (1.0 - share) * falls)).any())
 
 
 @dataclasses.dataclass
@@ -520,10 +532,27 @@ class Mirror:
         """What is put behind the picture, as with_backdrop() takes it: a colour, the faces of a sky, how often it is added, and
         whether its texels are sRGB. What lights the scene from everywhere is not what is seen behind it."""
         if self.is_in_sky:
-            return np.zeros(3), None if shows_sky else self._sky_faces, 0.0 if shows_sky else -1.0, self.look.linear
+            return np.zeros(3), self._sky_faces, 0.0 if shows_sky else -1.0, self.look.linear
         if self.sky is None or not shows_sky:
             return -self.ambient, None, 0.0, False
         return -self.ambient, self._sky_faces, 1.0, self.look.linear
+
+    def haze(self, source: Any, camera: Camera, size: Tuple[int, int]) -> Optional[Dict[str, Any]]:
+        """What with_backdrop() takes of the haze around a plane without an end, but for `surfaces`; None where none is seen in a
+        picture of this size."""
+        planes = {key: place for key, place in self._endless.items() if np.all(place[0][:2] <= 0)}
+        share = float(np.clip(self.model.vis.map.haze, 0.0, 1.0))
+        if not planes or share <= 0.0 or camera.half_height is not None:
+            return None
+        _, _, turn, position = next(iter(planes.values()))
+        height = float((camera.world_from_camera[:3, 3] - position) @ turn[:, 2])
+        end = _SKY * float(source.camera[0].frustum_far)
+        if height <= 0.0 or not _sees_haze(camera, size, turn[:, 2], height / end, share):
+            return None
+        is_endless = np.zeros(len(self.objects), np.uint8)
+        is_endless[[0, *(self._shown[key].surface_id for key in planes)]] = 1
+        return {"is_endless": is_endless, "color": np.asarray(self.look.color(self.model.vis.rgba.haze[:3])), "up": turn[:, 2],
+                "height": height, "end": end, "share": share}
 
     # ---- instances ----
 
