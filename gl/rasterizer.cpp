@@ -1,20 +1,37 @@
 #include "gl/rasterizer.h"
 
+#include <utility>
+
 #include "gl/passes/raster_state.h"
 #include "model/failure.h"
 
 namespace sideray::gl {
+
+SceneOnGpu::SceneOnGpu() = default;
+SceneOnGpu::~SceneOnGpu() = default;
+SceneOnGpu::SceneOnGpu(SceneOnGpu&&) noexcept = default;
+SceneOnGpu& SceneOnGpu::operator=(SceneOnGpu&&) noexcept = default;
 
 Rasterizer::Rasterizer(const Functions& gl) : state_(std::make_unique<RasterState>(gl)) {}
 Rasterizer::~Rasterizer() = default;
 
 void Rasterizer::set_scene(std::shared_ptr<const model::Snapshot> snapshot) {
   if (!snapshot) fail(SIDERAY_INVALID_ARGUMENT, "rasterizer: no scene; commit one first");
-  if (!state_->scene.empty() && &state_->scene.snapshot() == snapshot.get()) return;
+  if (!state_->scene->empty() && &state_->scene->snapshot() == snapshot.get()) return;
   state_->culled_instances.clear();
-  state_->scene.set_snapshot(std::move(snapshot));
-  state_->lights.set_scene(state_->scene);
-  state_->programs.set_many_lights(state_->lights.are_many());
+  state_->scene->set_snapshot(std::move(snapshot));
+  state_->lights->set_scene(*state_->scene);
+  state_->programs.set_many_lights(state_->lights->are_many());
+}
+
+SceneOnGpu Rasterizer::exchange_scene(SceneOnGpu next) {
+  if (!next.surfaces) next.surfaces = std::make_unique<RasterScene>(state_->gl);
+  if (!next.lights) next.lights = std::make_unique<RasterLights>(state_->gl);
+  state_->culled_instances.clear();
+  std::swap(state_->scene, next.surfaces);
+  std::swap(state_->lights, next.lights);
+  state_->programs.set_many_lights(state_->lights->are_many());
+  return next;
 }
 
 void Rasterizer::set_culled(std::span<const uint8_t> culled) {
@@ -29,7 +46,7 @@ RasterView Rasterizer::make_view(const sideray_camera& camera, glm::vec2 jitter)
   state_->require_scene_and_targets();
   return make_raster_view(
       camera, jitter,
-      {state_->targets.width(), state_->targets.height(), state_->scene.snapshot().origin, state_->gl.clip_control});
+      {state_->targets.width(), state_->targets.height(), state_->scene->snapshot().origin, state_->gl.clip_control});
 }
 
 void Rasterizer::set_view(const RasterView& view) {
@@ -42,10 +59,10 @@ void Rasterizer::gbuffer(bool marks_inexact) {
 }
 void Rasterizer::shadow_maps(bool tints, const std::function<void()>& between) {
   state_->require_scene_and_targets();
-  state_->lights.draw_shadow_maps(state_->scene, state_->programs, state_->view.clip_from_local, tints, between);
+  state_->lights->draw_shadow_maps(*state_->scene, state_->programs, state_->view.clip_from_local, tints, between);
 }
 void Rasterizer::forget_shadow_maps() {
-  state_->lights.forget_shadow_maps();
+  state_->lights->forget_shadow_maps();
 }
 void Rasterizer::mask(MaskKind kind, TracedSet set, bool sprites, bool marks_others) {
   state_->draw_mask(kind, set, sprites, marks_others);
@@ -67,7 +84,7 @@ void Rasterizer::composite_traced(uint32_t radiance_texture, uint32_t transmitta
 }
 
 bool Rasterizer::leaves_textures_out() const {
-  return state_->scene.leaves_textures_out();
+  return state_->scene->leaves_textures_out();
 }
 
 uint32_t Rasterizer::normal_texture() const {

@@ -16,7 +16,20 @@
 
 namespace sideray::gl {
 
+class RasterLights;
+class RasterScene;
 struct RasterState;
+
+// What the GPU has of a scene: its surfaces, and its lights with their shadow maps. Ends with the context current.
+struct SceneOnGpu {
+  SceneOnGpu();
+  ~SceneOnGpu();
+  SceneOnGpu(SceneOnGpu&&) noexcept;
+  SceneOnGpu& operator=(SceneOnGpu&&) noexcept;
+
+  std::unique_ptr<RasterScene> surfaces;
+  std::unique_ptr<RasterLights> lights;
+};
 
 class Rasterizer {
  public:
@@ -27,6 +40,9 @@ class Rasterizer {
 
   // Uploads what changed since the last snapshot. Throws Failure (OUT_OF_MEMORY, GL_FAILED).
   void set_scene(std::shared_ptr<const model::Snapshot> snapshot);
+  // Puts what the GPU has of another scene, or nothing yet, in place of the one that is drawn, and returns that.
+  // set_scene() of one of its snapshots is to follow.
+  SceneOnGpu exchange_scene(SceneOnGpu next);
   // Sets the instances of the scene (1) that no ray hits: no traced set holds them, whatever else is true of them.
   // Empty, as after a change of scene: rays hit all.
   void set_culled(std::span<const uint8_t> culled);

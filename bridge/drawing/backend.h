@@ -50,7 +50,12 @@ class Backend {
   // Throws Failure (GL_FAILED) where the driver reported an error since the call began.
   virtual void require_no_errors() = 0;
 
-  // The tracer of the scene to be drawn next, which outlives its use; null: none of its rays are needed any longer.
+  // From now on another scene is drawn, whose snapshots and tracer follow. What was uploaded and traced of it before is
+  // used again.
+  virtual void change_scene(const sideray_scene* scene) = 0;
+  // A scene that is not drawn now, nor again: what is kept of it goes.
+  virtual void forget_scene(const sideray_scene* scene) = 0;
+  // The tracer of the scene, which outlives its use.
   virtual void set_tracer(sideray_tracer* tracer) = 0;
   virtual void set_scene(std::shared_ptr<const model::Snapshot> snapshot) = 0;
   // These do what gl::Rasterizer's functions of the same names do.

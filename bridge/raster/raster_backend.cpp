@@ -25,7 +25,10 @@ RasterBackend::~RasterBackend() {
     context_->make_current();
   } catch (const Failure&) {
     if (service_) service_->abandon_context();
+    for (auto& [scene, other] : others_)
+      if (other.service) other.service->abandon_context();
   }
+  others_.clear();
   service_.reset();
   rasterizer_.reset();
   context_->release_current();
@@ -49,11 +52,17 @@ void RasterBackend::require_no_errors() {
          context_->info().renderer, errors.front(), context_->info().version);
 }
 
+void RasterBackend::change_scene(const sideray_scene* scene) {
+  OtherScene next;
+  if (auto known = others_.extract(scene)) next = std::move(known.mapped());
+  next.on_gpu = rasterizer_->exchange_scene(std::move(next.on_gpu));
+  std::swap(next.service, service_);
+  if (scene_) others_[scene_] = std::move(next);
+  scene_ = scene;
+}
+
 void RasterBackend::set_tracer(sideray_tracer* tracer) {
-  if (!tracer)
-    service_.reset();
-  else if (!service_)
-    service_ = std::make_unique<Service>(tracer, context_->functions());
+  if (!service_) service_ = std::make_unique<Service>(tracer, context_->functions());
 }
 
 void RasterBackend::set_scene(std::shared_ptr<const model::Snapshot> snapshot) {

@@ -3,6 +3,7 @@
 // state is put back after it.
 #pragma once
 
+#include <map>
 #include <memory>
 
 #include "bridge/raster/raster_parts.h"
@@ -19,6 +20,8 @@ class RasterBackend final : public Backend {
   void begin_call() override;
   void end_call() override { context_->release_current(); }
   void require_no_errors() override;
+  void change_scene(const sideray_scene* scene) override;
+  void forget_scene(const sideray_scene* scene) override { others_.erase(scene); }
   void set_tracer(sideray_tracer* tracer) override;
   void set_scene(std::shared_ptr<const model::Snapshot> snapshot) override;
   void set_culled(std::span<const uint8_t> culled) override { rasterizer_->set_culled(culled); }
@@ -47,6 +50,12 @@ class RasterBackend final : public Backend {
   std::unique_ptr<gl::Context> context_;
   std::unique_ptr<gl::Rasterizer> rasterizer_;
   std::unique_ptr<Service> service_;  // of the scene's tracer
+  const sideray_scene* scene_ = nullptr;
+  struct OtherScene {
+    gl::SceneOnGpu on_gpu;
+    std::unique_ptr<Service> service;
+  };
+  std::map<const sideray_scene*, OtherScene> others_;  // that were drawn before
 };
 
 }  // namespace sideray::bridge

@@ -194,9 +194,14 @@ RayBackend::RayBackend(std::string reason) {
 }
 
 // Jobs recognize their history by the revision of a scene, and two scenes may have the same.
-void RayBackend::set_tracer(sideray_tracer* tracer) {
-  if (tracer != tracer_) jobs_ = std::make_unique<Jobs>();
-  tracer_ = tracer;
+void RayBackend::change_scene(const sideray_scene* scene) {
+  std::unique_ptr<Jobs> next;
+  if (auto known = others_.extract(scene)) next = std::move(known.mapped());
+  if (!next) next = std::make_unique<Jobs>();
+  std::swap(next, jobs_);
+  if (scene_) others_[scene_] = std::move(next);
+  scene_ = scene;
+  tracer_ = nullptr;
 }
 
 void RayBackend::resize(uint32_t width, uint32_t height) {

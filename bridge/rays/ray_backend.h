@@ -5,6 +5,7 @@
 
 #include <array>
 #include <atomic>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -29,7 +30,9 @@ class RayBackend final : public Backend {
   void begin_call() override {}
   void end_call() override {}
   void require_no_errors() override {}
-  void set_tracer(sideray_tracer* tracer) override;
+  void change_scene(const sideray_scene* scene) override;
+  void forget_scene(const sideray_scene* scene) override { others_.erase(scene); }
+  void set_tracer(sideray_tracer* tracer) override { tracer_ = tracer; }
   void set_scene(std::shared_ptr<const model::Snapshot> snapshot) override { snapshot_ = std::move(snapshot); }
   void set_culled(std::span<const uint8_t>) override {}
   void resize(uint32_t width, uint32_t height) override;
@@ -71,6 +74,8 @@ class RayBackend final : public Backend {
     FrameBudget budget;
   };
   std::unique_ptr<Jobs> jobs_ = std::make_unique<Jobs>();
+  const sideray_scene* scene_ = nullptr;
+  std::map<const sideray_scene*, std::unique_ptr<Jobs>> others_;  // of scenes that were drawn before
   FramePosition position_;  // of the frame that was drawn last, as the next four
   rt::OpaqueRequest request_;
   rt::OpaquePixels pixels_;

@@ -101,7 +101,6 @@ Renderer::Renderer(std::unique_ptr<Backend> backend, rt::TracerConfig tracer_con
 
 // The backend holds what lives in OpenGL and uses the tracer.
 Renderer::~Renderer() {
-  others_.clear();
   drawn_.helpers.clear();
   sequence_.reset();
   backend_.reset();
@@ -197,25 +196,26 @@ void Renderer::set_scene(sideray_scene* scene) {
   if (snapshot->fixed)
     fail(SIDERAY_UNSUPPORTED, "scene: it is shaded by the fixed function, which shades frames of hosts alone; call "
                               "sideray_scene_set_fixed_function with NULL and commit");
-  if (scene != drawn_.scene.get()) {
+  if (scene != drawn_.scene.get())
     change_scene(scene);
-  } else if (snapshot_ && show_the_same(*snapshot_, *snapshot)) {
+  else if (snapshot_ && show_the_same(*snapshot_, *snapshot))
     return;
+  snapshot_.reset();  // until it is uploaded
+  try {
+    backend_->set_scene(snapshot);
+  } catch (const Failure& failure) {
+    if (failure.status != SIDERAY_OUT_OF_MEMORY || others_.empty()) throw;
+    while (!others_.empty()) forget(others_.begin());
+    backend_->set_scene(snapshot);
   }
   snapshot_ = std::move(snapshot);
-  backend_->set_scene(snapshot_);
 }
 
 // Scenes that nobody else holds any longer go.
 void Renderer::change_scene(sideray_scene* scene) {
   constexpr size_t most_others = 3;
-  backend_->set_tracer(nullptr);
   sequence_->forget();
   if (drawn_.scene) others_.push_back(std::move(drawn_));
-  std::erase_if(others_, [](const DrawnScene& other) {
-    const uint32_t own = other.tracer ? 2 + static_cast<uint32_t>(other.helpers.size()) : 1;
-    return other.scene->references <= own;
-  });
   drawn_ = {};
   const auto known = std::ranges::find_if(others_, [&](const DrawnScene& other) { return other.scene.get() == scene; });
   if (known != others_.end()) {
@@ -225,7 +225,21 @@ void Renderer::change_scene(sideray_scene* scene) {
     sideray_scene_retain(scene);
     drawn_.scene.reset(scene);
   }
-  if (others_.size() > most_others) others_.erase(others_.begin());
+  backend_->change_scene(scene);
+  for (auto other = others_.begin(); other != others_.end();)
+    other = is_held_elsewhere(*other) ? other + 1 : forget(other);
+  if (others_.size() > most_others) forget(others_.begin());
+}
+
+bool Renderer::is_held_elsewhere(const DrawnScene& drawn) {
+  const uint32_t own = drawn.tracer ? 2 + static_cast<uint32_t>(drawn.helpers.size()) : 1;
+  return drawn.scene->references > own;
+}
+
+// The backend's part goes first, since it uses the tracer.
+std::vector<Renderer::DrawnScene>::iterator Renderer::forget(std::vector<DrawnScene>::iterator other) {
+  backend_->forget_scene(other->scene.get());
+  return others_.erase(other);
 }
 
 void Renderer::prepare_rays(const FramePlan& plan, const sideray_camera& camera, StageTimes& stages) {

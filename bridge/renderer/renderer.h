@@ -44,31 +44,35 @@ class Renderer {
     std::unique_ptr<sideray_tracer> tracer;
   };
 
-  void set_scene(sideray_scene* scene);
-  void change_scene(sideray_scene* scene);
-  void prepare_rays(const FramePlan& plan, const sideray_camera& camera, StageTimes& stages);
-  std::unique_ptr<Picture> draw_next(const FramePlan& plan, const sideray_camera& camera, const RenderOptions& options);
-  bool draws_beside(const FramePlan& plan, size_t pictures) const;
-  void draw_beside(const FramePlan& plan, std::span<const sideray_camera> cameras, const RenderOptions& options,
-                   std::span<std::unique_ptr<Picture>> pictures);
-
   struct ReleaseScene {
     void operator()(sideray_scene* scene) const { sideray_scene_release(scene); }
   };
   struct ReleaseTracer {
     void operator()(sideray_tracer* tracer) const { sideray_tracer_release(tracer); }
   };
+  struct DrawnScene {
+    std::unique_ptr<sideray_scene, ReleaseScene> scene;
+    std::unique_ptr<sideray_tracer, ReleaseTracer> tracer;  // made when rays are first needed
+    std::vector<Helper> helpers;  // one a thread, made when pictures are first drawn beside each other
+  };
+
+  void set_scene(sideray_scene* scene);
+  void change_scene(sideray_scene* scene);
+  static bool is_held_elsewhere(const DrawnScene& drawn);
+  std::vector<DrawnScene>::iterator forget(std::vector<DrawnScene>::iterator other);
+  void prepare_rays(const FramePlan& plan, const sideray_camera& camera, StageTimes& stages);
+  std::unique_ptr<Picture> draw_next(const FramePlan& plan, const sideray_camera& camera, const RenderOptions& options);
+  bool draws_beside(const FramePlan& plan, size_t pictures) const;
+  void draw_beside(const FramePlan& plan, std::span<const sideray_camera> cameras, const RenderOptions& options,
+                   std::span<std::unique_ptr<Picture>> pictures);
+
   std::atomic<bool> cancelled_{false};  // the pictures that are being drawn
   std::unique_ptr<Backend> backend_;
   std::unique_ptr<Sequence> sequence_;
   rt::TracerConfig tracer_config_;
-  struct DrawnScene {
-    std::unique_ptr<sideray_scene, ReleaseScene> scene;
-    std::unique_ptr<sideray_tracer, ReleaseTracer> tracer;  // made when rays are first needed
-    std::vector<Helper> helpers;                            // one a thread, made when pictures are first drawn beside each other
-  };
   DrawnScene drawn_;                // the last one that was drawn
-  std::vector<DrawnScene> others_;  // a few before it, the latest last: scenes that are drawn in turn are not built anew each time
+  // A few before it, the latest last: scenes that are drawn in turn are neither built nor uploaded anew.
+  std::vector<DrawnScene> others_;
   std::shared_ptr<const model::Snapshot> snapshot_;  // of the last one
 };
 

@@ -15,7 +15,7 @@ import numpy as np
 import sideray.mujoco
 
 path = sys.argv[1] if len(sys.argv) > 1 else "mujoco.png"
-width, height = map(int, sys.argv[2:4]) if len(sys.argv) > 3 else (480, 360)
+width, height = map(int, sys.argv[2:4]) if len(sys.argv) > 3 else (640, 480)
 model = mujoco.MjModel.from_xml_path(str(pathlib.Path(__file__).with_name("glassware.xml")))
 data = mujoco.MjData(model)
 for _ in range(80):

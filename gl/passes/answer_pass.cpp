@@ -8,8 +8,8 @@ namespace sideray::gl {
 void RasterState::draw_located(const Translucency& pass, CountedFragments kind, const LayerTruthTextures* truth) {
   for (const bool alpha : {false, true}) {
     const Program* program = nullptr;
-    for (const Draw& draw : scene.translucent()) {
-      const model::Material& material = scene.material(draw);
+    for (const Draw& draw : scene->translucent()) {
+      const model::Material& material = scene->material(draw);
       if (material.discards != alpha || !is_traced(draw, pass.traced) || is_hidden(draw.bounds)) continue;
       const Program& wanted = programs.coverage({.alpha = alpha, .counted = kind, .wind = draw.wind != 0});
       if (program != &wanted) {
@@ -19,15 +19,15 @@ void RasterState::draw_located(const Translucency& pass, CountedFragments kind, 
         if (kind != CountedFragments::all) bind_cache(*program, pass);
         if (truth) {
           program->set("true_columns", static_cast<int>(targets.width()));
-          scene.textures().bind_plain(unit::material + 1, GL_TEXTURE_2D, truth->first.id());
-          scene.textures().bind_plain(unit::material + 2, GL_TEXTURE_2D, truth->surfaces.id());
+          scene->textures().bind_plain(unit::material + 1, GL_TEXTURE_2D, truth->first.id());
+          scene->textures().bind_plain(unit::material + 2, GL_TEXTURE_2D, truth->surfaces.id());
         }
       }
       if (kind != CountedFragments::all) program->set("traced_surface_id", draw.surface_id);
-      if (alpha) scene.bind_material(draw.material, base_color_map);
-      scene.set_wind(*program, draw);
+      if (alpha) scene->bind_material(draw.material, base_color_map);
+      scene->set_wind(*program, draw);
       set_culling(draw, material.cull_back ? GL_BACK : 0);
-      scene.draw(draw);
+      scene->draw(draw);
     }
   }
 }

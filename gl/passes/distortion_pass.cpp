@@ -15,8 +15,8 @@ constexpr uint32_t distortion_maps = base_color_map | normal_map;
 // The surfaces come in the order of the snapshot: sums of offsets do not depend on the view.
 std::vector<const Draw*> RasterState::visible_distorting() const {
   std::vector<const Draw*> found;
-  for (const Draw& draw : scene.translucent())
-    if (scene.material(draw).desc.distortion > 0.0f && !is_hidden(draw.bounds)) found.push_back(&draw);
+  for (const Draw& draw : scene->translucent())
+    if (scene->material(draw).desc.distortion > 0.0f && !is_hidden(draw.bounds)) found.push_back(&draw);
   return found;
 }
 
@@ -35,9 +35,9 @@ void RasterState::draw_distortion() {
   const Program& program = programs.distort_picture();
   program.use();
   program.set("reversed_depth", static_cast<int>(view.reversed_depth));
-  scene.textures().bind_plain(unit::material, GL_TEXTURE_2D, distortion.offsets());
-  scene.textures().bind_plain(unit::material + 1, GL_TEXTURE_2D, distortion.picture());
-  scene.textures().bind_plain(unit::material + 7, GL_TEXTURE_2D, targets.depth_stencil());
+  scene->textures().bind_plain(unit::material, GL_TEXTURE_2D, distortion.offsets());
+  scene->textures().bind_plain(unit::material + 1, GL_TEXTURE_2D, distortion.picture());
+  scene->textures().bind_plain(unit::material + 7, GL_TEXTURE_2D, targets.depth_stencil());
   draw_screen();
 }
 
@@ -62,12 +62,12 @@ void RasterState::draw_offsets(std::span<const Draw* const> surfaces) {
       program.set("view_up", glm::vec3(glm::normalize(local_from_view[1])));
       current = &program;
     }
-    scene.set_wind(program, *draw);
-    const model::Material& material = scene.material(*draw);
+    scene->set_wind(program, *draw);
+    const model::Material& material = scene->material(*draw);
     program.set("distortion", material.desc.distortion);
-    scene.bind_material(draw->material, distortion_maps);
+    scene->bind_material(draw->material, distortion_maps);
     set_culling(*draw, material.cull_back ? GL_BACK : 0);
-    scene.draw(*draw);
+    scene->draw(*draw);
   }
   gl.Disable(GL_BLEND);
   gl.BlendEquation(GL_FUNC_ADD);

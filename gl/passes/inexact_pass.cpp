@@ -18,8 +18,8 @@ void RasterState::draw_inexact_marks(const InexactMarks& marks) {
   gl.StencilFunc(GL_ALWAYS, inexact_stencil_bit, inexact_stencil_bit);
   gl.StencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
   const Program* current = nullptr;
-  for (const Draw& draw : scene.opaque()) {
-    const model::Material& material = scene.material(draw);
+  for (const Draw& draw : scene->opaque()) {
+    const model::Material& material = scene->material(draw);
     if (!model::takes_inexact(material, draw.wind, marks.target) || is_outside(clip_from_local, draw.bounds)) continue;
     const Program& program =
         programs.coverage({.alpha = material.discards, .wind = draw.wind != 0, .rest = marks.rest});
@@ -29,8 +29,8 @@ void RasterState::draw_inexact_marks(const InexactMarks& marks) {
       program.set("rest_poses", marks.poses);
       current = &program;
     }
-    if (material.discards) scene.bind_material(draw.material, base_color_map);
-    scene.set_wind(program, draw);
+    if (material.discards) scene->bind_material(draw.material, base_color_map);
+    scene->set_wind(program, draw);
     set_culling(draw, material.cull_back ? GL_BACK : 0);
     draw_visible(draw);
   }

@@ -38,7 +38,7 @@ void RasterState::draw_motion(const FrameBefore& before) {
   matrices.still_from_local = matrices.before_from_local = without_jitter(view) * view.clip_from_local;
   if (before.snapshot) {
     matrices.before_from_local = without_jitter(before.view) * before.view.clip_from_local;
-    const glm::dvec3 origin_moved = scene.snapshot().origin - before.snapshot->origin;
+    const glm::dvec3 origin_moved = scene->snapshot().origin - before.snapshot->origin;
     if (origin_moved != glm::dvec3(0))
       matrices.before_from_local = glm::translate(matrices.before_from_local, origin_moved);
   }
@@ -48,7 +48,7 @@ void RasterState::draw_motion(const FrameBefore& before) {
   } else {
     draw_motion_of_view(matrices, before.view);
   }
-  if (before.snapshot && before.snapshot.get() != &scene.snapshot())
+  if (before.snapshot && before.snapshot.get() != &scene->snapshot())
     draw_motion_of_instances(matrices, *before.snapshot);
 }
 
@@ -66,13 +66,13 @@ void RasterState::draw_motion_of_view(const MotionMatrices& matrices, const Rast
   program.set("half_size", 0.5f * size);
   program.set("depth_of_nothing", view.reversed_depth ? 0.0f : 1.0f);
   program.set("clip_z_from_depth", view.zero_to_one_depth ? glm::vec2(1, 0) : glm::vec2(2, -1));
-  scene.textures().bind_plain(unit::material + 7, GL_TEXTURE_2D, targets.depth_stencil());
+  scene->textures().bind_plain(unit::material + 7, GL_TEXTURE_2D, targets.depth_stencil());
   draw_screen();
 }
 
 const Program& RasterState::motion_program(const Draw& draw, const MotionMatrices& matrices,
                                                  double time_before_s) {
-  const model::Material& material = scene.material(draw);
+  const model::Material& material = scene->material(draw);
   const Program& program = programs.coverage({.alpha = material.discards, .wind = draw.wind != 0, .motion = true});
   program.use();
   program.set("clip_from_local", clip_from_local);
@@ -81,33 +81,33 @@ const Program& RasterState::motion_program(const Draw& draw, const MotionMatrice
   program.set("half_size", 0.5f * glm::vec2(targets.width(), targets.height()));
   program.set("is_placed_before", 0);
   program.set("is_shaped_before", 0);
-  if (material.discards) scene.bind_material(draw.material, base_color_map);
-  scene.set_wind(program, draw);
+  if (material.discards) scene->bind_material(draw.material, base_color_map);
+  scene->set_wind(program, draw);
   if (draw.wind != 0)
-    program.set("wind_cycles_before", model::wind_phase(scene.snapshot().winds[draw.wind - 1], time_before_s, 0.0f));
+    program.set("wind_cycles_before", model::wind_phase(scene->snapshot().winds[draw.wind - 1], time_before_s, 0.0f));
   set_culling(draw, material.cull_back ? GL_BACK : 0);
   return program;
 }
 
 // Equal depth and an invariant position find again the pixels that the G-buffer shows of an instance.
 void RasterState::draw_motion_of_instances(const MotionMatrices& matrices, const model::Snapshot& before) {
-  const model::Snapshot& now = scene.snapshot();
+  const model::Snapshot& now = scene->snapshot();
   begin_pass({.depth_test = true});
   targets.bind_motion(true);
   gl.DepthFunc(GL_EQUAL);
   const glm::mat4 before_from_its_local(glm::translate(matrices.before_from_local, before.origin - now.origin));
   const auto may_be_seen = [&](const model::Bounds& around) { return !is_outside(clip_from_local, around); };
-  const auto is_seen = [&](uint32_t place) { return !is_hidden(scene.bounds_at(place)); };
-  for (const Draw& draw : scene.opaque()) {
+  const auto is_seen = [&](uint32_t place) { return !is_hidden(scene->bounds_at(place)); };
+  for (const Draw& draw : scene->opaque()) {
     if (!may_be_seen(draw.bounds)) continue;
     const model::Mesh* shape = model::shaped_before(now, draw.mesh, before);
     const auto placed_before = [&](uint32_t place) {
-      return model::elsewhere_before(now, scene.instance_at(place), before, shape != nullptr);
+      return model::elsewhere_before(now, scene->instance_at(place), before, shape != nullptr);
     };
     if (draw.wind != 0 && now.time_s != before.time_s) {
       motion_program(draw, matrices, before.time_s);
-      scene.draw_places(
-          draw, [&](uint32_t block) { return may_be_seen(scene.bounds_of_block(block)); },
+      scene->draw_places(
+          draw, [&](uint32_t block) { return may_be_seen(scene->bounds_of_block(block)); },
           [&](uint32_t place) { return is_seen(place) && !placed_before(place); });
     }
     const Program* program = nullptr;
@@ -119,12 +119,12 @@ void RasterState::draw_motion_of_instances(const MotionMatrices& matrices, const
         program->set("is_placed_before", 1);
         program->set("before_from_local", before_from_its_local);
         program->set("is_shaped_before", shape != nullptr);
-        if (shape) scene.set_positions_before(draw, *shape);
+        if (shape) scene->set_positions_before(draw, *shape);
       }
       program->set("local_before_from_object", glm::mat4(then->local_from_object));
-      scene.draw_place(draw, place);
+      scene->draw_place(draw, place);
     }
-    if (program && shape) scene.forget_positions_before(draw);
+    if (program && shape) scene->forget_positions_before(draw);
   }
 }
 

@@ -15,7 +15,7 @@ std::vector<RasterState::TranslucentItem> RasterState::numbered(std::vector<Tran
   uint32_t number = 1;
   for (TranslucentItem& item : items) {
     item.first_number = number;
-    number += item.draw ? static_cast<uint32_t>(scene.snapshot().meshes[item.draw->mesh]->triangles.size())
+    number += item.draw ? static_cast<uint32_t>(scene->snapshot().meshes[item.draw->mesh]->triangles.size())
                         : item.sprites.count;
   }
   return items;

@@ -21,7 +21,7 @@ bool RasterState::peel(Items items, const Translucency& pass, uint32_t before, u
   slices->begin(slice);
   gl.ClearBufferfi(GL_DEPTH_STENCIL, 0, view.reversed_depth ? 1.0f : 0.0f, 0);
   gl.DepthFunc(view.reversed_depth ? GL_LEQUAL : GL_GEQUAL);
-  scene.textures().bind_plain(unit::order_keys, GL_TEXTURE_2D, slices->keys(before));
+  scene->textures().bind_plain(unit::order_keys, GL_TEXTURE_2D, slices->keys(before));
   Query query(gl);
   gl.BeginQuery(GL_ANY_SAMPLES_PASSED, query.id());
   draw_translucent_items(items, pass, FragmentOrder::key);
@@ -36,7 +36,7 @@ void RasterState::draw_slice(Items items, const Translucency& pass, uint32_t sli
   begin_pass({.depth_test = true, .blend_dual_source = true});
   gl.DepthFunc(GL_EQUAL);
   slices->bind_picture(slice);
-  scene.textures().bind_plain(unit::order_keys, GL_TEXTURE_2D, slices->keys(slice));
+  scene->textures().bind_plain(unit::order_keys, GL_TEXTURE_2D, slices->keys(slice));
   draw_translucent_items(items, pass, FragmentOrder::slice);
 }
 
@@ -49,7 +49,7 @@ void RasterState::draw_peeled(Items items, const Translucency& pass) {
   const Program& start = programs.peel_start();
   start.use();
   start.set("depth_flip", view.reversed_depth ? ~0u : 0u);
-  scene.textures().bind_plain(unit::material + 7, GL_TEXTURE_2D, targets.depth_stencil());
+  scene->textures().bind_plain(unit::material + 7, GL_TEXTURE_2D, targets.depth_stencil());
   draw_screen();
   for (uint32_t slice = 0; peel(items, pass, 1 - slice, slice); slice = 1 - slice)
     draw_slice(items, pass, slice);

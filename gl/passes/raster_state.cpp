@@ -30,9 +30,9 @@ float octave_half(glm::vec3 eye, const model::Bounds& bounds) {
 RasterState::RasterState(const Functions& functions)
     : gl(checked(functions)),
       programs(functions),
-      scene(functions),
+      scene(std::make_unique<RasterScene>(functions)),
       sprites(functions),
-      lights(functions),
+      lights(std::make_unique<RasterLights>(functions)),
       targets(functions),
       distortion(functions),
       opaque_levels(functions),
@@ -40,7 +40,7 @@ RasterState::RasterState(const Functions& functions)
       screen(functions) {}
 
 void RasterState::require_scene_and_targets() const {
-  if (scene.empty() || targets.width() == 0)
+  if (scene->empty() || targets.width() == 0)
     fail(SIDERAY_INTERNAL, "rasterizer: a pass was asked for before set_scene and resize");
 }
 
@@ -66,13 +66,13 @@ void RasterState::begin_pass(const Pipeline& p) {
   gl.Disable(GL_POLYGON_OFFSET_FILL);
   gl.Disable(GL_CULL_FACE);
   gl.FrontFace(GL_CCW);
-  scene.forget_bindings();
+  scene->forget_bindings();
 }
 
 bool RasterState::is_traced(const Draw& draw, TracedSet set) const {
   if (draw.instance < culled_instances.size() && culled_instances[draw.instance]) return false;
   if (set == TracedSet::all_translucent) return true;
-  return set == TracedSet::visible_in_layers && scene.material(draw).traceable && draw.surface_id != 0 &&
+  return set == TracedSet::visible_in_layers && scene->material(draw).traceable && draw.surface_id != 0 &&
          (draw.visibility & SIDERAY_VISIBLE_LAYERS) != 0;
 }
 
@@ -102,7 +102,7 @@ void RasterState::set_view_uniforms(const Program& program) const {
 // which keeps programs and materials together, and of equal surfaces in one place always the same is seen.
 std::vector<const Draw*> RasterState::opaque_in_sight() const {
   std::vector<std::pair<float, const Draw*>> keyed;
-  for (const Draw& draw : scene.opaque())
+  for (const Draw& draw : scene->opaque())
     if (!is_outside(clip_from_local, draw.bounds)) keyed.emplace_back(octave_half(view.eye, draw.bounds), &draw);
   std::ranges::stable_sort(keyed, {}, &std::pair<float, const Draw*>::first);
   std::vector<const Draw*> draws;
@@ -113,7 +113,7 @@ std::vector<const Draw*> RasterState::opaque_in_sight() const {
 
 void RasterState::draw_gbuffer(bool marks_inexact) {
   begin_pass({.depth_test = true, .depth_write = true, .stencil_test = marks_inexact});
-  targets.set_lobes(scene.opaque_lobes() & (lobe::in_targets | lobe::anisotropy));
+  targets.set_lobes(scene->opaque_lobes() & (lobe::in_targets | lobe::anisotropy));
   stencil_cleared = false;
   stencil_marked = marks_inexact;
   targets.bind_gbuffer();
@@ -124,22 +124,22 @@ void RasterState::draw_gbuffer(bool marks_inexact) {
   const Program* current = nullptr;
   for (const Draw* in_sight : opaque_in_sight()) {
     const Draw& draw = *in_sight;
-    const bool takes = marks_inexact && model::takes_inexact(scene.material(draw), draw.wind, SIDERAY_TARGET_BIT);
+    const bool takes = marks_inexact && model::takes_inexact(scene->material(draw), draw.wind, SIDERAY_TARGET_BIT);
     if (marks_inexact) gl.StencilFunc(GL_ALWAYS, takes ? inexact_stencil_bit : 0, inexact_stencil_bit);
-    const Shading shading = scene.shading(draw);
-    const Program& program = programs.gbuffer(shading, scene.material(draw).discards);
+    const Shading shading = scene->shading(draw);
+    const Program& program = programs.gbuffer(shading, scene->material(draw).discards);
     if (&program != current) {
       program.use();
       program.set("clip_from_local", clip_from_local);
       if (shading.lobes & (lobe::film | lobe::anisotropy)) set_view_uniforms(program);
       current = &program;
     }
-    scene.bind_material(draw.material, shading.maps);
-    scene.set_wind(program, draw);
-    set_culling(draw, scene.material(draw).cull_back ? GL_BACK : 0);
+    scene->bind_material(draw.material, shading.maps);
+    scene->set_wind(program, draw);
+    set_culling(draw, scene->material(draw).cull_back ? GL_BACK : 0);
     draw_visible(draw);
   }
-  if (!scene.thin().empty()) draw_thin(marks_inexact);
+  if (!scene->thin().empty()) draw_thin(marks_inexact);
   gl.Disable(GL_STENCIL_TEST);
   gl.StencilMask(0xff);
 }
@@ -155,19 +155,19 @@ void RasterState::clear_stencil() {
 template <typename Takes>
 void RasterState::draw_coverage(const Takes& takes) {
   const Program* current = nullptr;
-  for (const Draw& draw : scene.translucent()) {
+  for (const Draw& draw : scene->translucent()) {
     if (!takes(draw)) continue;
-    const model::Material& material = scene.material(draw);
+    const model::Material& material = scene->material(draw);
     const Program& program = programs.coverage({.alpha = material.discards, .wind = draw.wind != 0});
     if (&program != current) {
       program.use();
       program.set("clip_from_local", clip_from_local);
       current = &program;
     }
-    if (material.discards) scene.bind_material(draw.material, base_color_map);
-    scene.set_wind(program, draw);
+    if (material.discards) scene->bind_material(draw.material, base_color_map);
+    scene->set_wind(program, draw);
     set_culling(draw, material.cull_back ? GL_BACK : 0);
-    scene.draw(draw);
+    scene->draw(draw);
   }
 }
 
@@ -206,14 +206,14 @@ void RasterState::mark_others(TracedSet set, bool with_sprites) {
 void RasterState::draw_light(bool shadows, const OcclusionTextures& masks) {
   begin_pass({});
   targets.bind_resolve();
-  const bool tint_maps = lights.has_tint_maps(shadows);
-  const Program& program = programs.light(scene.opaque_lobes(), {.masks = masks.shadow != 0 || masks.open != 0 || masks.mirrored != 0 || masks.bounced != 0,
+  const bool tint_maps = lights->has_tint_maps(shadows);
+  const Program& program = programs.light(scene->opaque_lobes(), {.masks = masks.shadow != 0 || masks.open != 0 || masks.mirrored != 0 || masks.bounced != 0,
                                                                  .answers = masks.answers != 0,
                                                                  .tints = masks.tint != 0,
                                                                  .tint_maps = tint_maps});
   program.use();
-  lights.bind(program, scene.textures(), shadows);
-  if (tint_maps) lights.bind_tint_maps(program, scene.textures());
+  lights->bind(program, scene->textures(), shadows);
+  if (tint_maps) lights->bind_tint_maps(program, scene->textures());
   set_view_uniforms(program);
   const ViewRays rays = make_view_rays(view);
   program.set("ray_origin", rays.origin);
@@ -227,26 +227,26 @@ void RasterState::draw_light(bool shadows, const OcclusionTextures& masks) {
   program.set("pixel_size",
               glm::vec2(2.0f / static_cast<float>(targets.width()), 2.0f / static_cast<float>(targets.height())));
   for (uint32_t i = 0; i < RasterTargets::floating_targets; ++i)
-    scene.textures().bind_plain(unit::material + i, GL_TEXTURE_2D, targets.gbuffer_texture(i));
+    scene->textures().bind_plain(unit::material + i, GL_TEXTURE_2D, targets.gbuffer_texture(i));
   for (uint32_t i = 0; i < lobe::count; ++i)
-    scene.textures().bind_plain(unit::material + 4 + i, GL_TEXTURE_2D, targets.lobe_texture(i));
-  scene.textures().bind_plain(unit::material + 7, GL_TEXTURE_2D, targets.depth_stencil());
-  if (scene.opaque_lobes() & lobe::anisotropy)
-    scene.textures().bind_plain(unit::material + 8, GL_TEXTURE_2D,
+    scene->textures().bind_plain(unit::material + 4 + i, GL_TEXTURE_2D, targets.lobe_texture(i));
+  scene->textures().bind_plain(unit::material + 7, GL_TEXTURE_2D, targets.depth_stencil());
+  if (scene->opaque_lobes() & lobe::anisotropy)
+    scene->textures().bind_plain(unit::material + 8, GL_TEXTURE_2D,
                                 targets.gbuffer_texture(RasterTargets::floating_targets));
-  scene.textures().bind_plain(unit::layer_cache, GL_TEXTURE_2D_ARRAY, masks.shadow);
-  scene.textures().bind_plain(unit::layer_cache + 1, GL_TEXTURE_2D, masks.open);
-  scene.textures().bind_plain(unit::layer_cache + 2, GL_TEXTURE_2D, masks.mirrored);
-  scene.textures().bind_plain(unit::material + 11, GL_TEXTURE_2D, masks.bounced);
+  scene->textures().bind_plain(unit::layer_cache, GL_TEXTURE_2D_ARRAY, masks.shadow);
+  scene->textures().bind_plain(unit::layer_cache + 1, GL_TEXTURE_2D, masks.open);
+  scene->textures().bind_plain(unit::layer_cache + 2, GL_TEXTURE_2D, masks.mirrored);
+  scene->textures().bind_plain(unit::material + 11, GL_TEXTURE_2D, masks.bounced);
   program.set("bounced_on", static_cast<int>(masks.bounced != 0));
   program.set("mirrored_on", static_cast<int>(masks.mirrored != 0));
   program.set("shadow_mask_lights", masks.shadow ? masks.shadow_lights : 0u);
   program.set("combined_mask_layer", masks.shadow && masks.combined_lights ? std::popcount(masks.shadow_lights) : -1);
   if (masks.tint != 0) {
-    scene.textures().bind_plain(unit::material + 9, GL_TEXTURE_2D_ARRAY, masks.tint);
+    scene->textures().bind_plain(unit::material + 9, GL_TEXTURE_2D_ARRAY, masks.tint);
     program.set("tint_layers", std::span<const int>(masks.tint_layers));
   }
-  if (masks.answers != 0) scene.textures().bind_plain(unit::material + 10, GL_TEXTURE_2D, masks.answers);
+  if (masks.answers != 0) scene->textures().bind_plain(unit::material + 10, GL_TEXTURE_2D, masks.answers);
   program.set("open_mask_on", static_cast<int>(masks.open != 0));
   program.set("unhidden_mask_layer", masks.unhidden_layer);
   draw_screen();
@@ -261,8 +261,8 @@ void RasterState::draw_whole(const WholeTextures& whole) {
   gl.StencilFunc(GL_ALWAYS, static_cast<GLint>(whole_stencil_bit), whole_stencil_bit);
   gl.StencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
   programs.whole().use();
-  scene.textures().bind_plain(unit::material, GL_TEXTURE_2D, whole.radiance);
-  scene.textures().bind_plain(unit::material + 1, GL_TEXTURE_2D, whole.transmittance);
+  scene->textures().bind_plain(unit::material, GL_TEXTURE_2D, whole.radiance);
+  scene->textures().bind_plain(unit::material + 1, GL_TEXTURE_2D, whole.transmittance);
   draw_screen();
   gl.Disable(GL_STENCIL_TEST);
   gl.StencilMask(0xff);
@@ -287,8 +287,8 @@ void RasterState::draw_composite(uint32_t radiance_texture, uint32_t transmittan
   targets.bind_resolve();
   const Program& program = programs.composite();
   program.use();
-  scene.textures().bind_plain(unit::material, GL_TEXTURE_2D, radiance_texture);
-  scene.textures().bind_plain(unit::material + 1, GL_TEXTURE_2D, transmittance_texture);
+  scene->textures().bind_plain(unit::material, GL_TEXTURE_2D, radiance_texture);
+  scene->textures().bind_plain(unit::material + 1, GL_TEXTURE_2D, transmittance_texture);
   draw_screen();
   gl.Disable(GL_BLEND);
   gl.BlendFunc(GL_ONE, GL_ZERO);

@@ -41,7 +41,7 @@ struct RasterState {
   std::vector<const Draw*> opaque_in_sight() const;
   // Draws the instances of a draw that are not hidden.
   void draw_visible(const Draw& draw) {
-    scene.draw_where(
+    scene->draw_where(
         draw, [&](const model::Bounds& around) { return !is_outside(clip_from_local, around); },
         [&](const model::Bounds& b) { return !is_hidden(b); });
   }
@@ -122,9 +122,9 @@ struct RasterState {
 
   const Functions& gl;
   RasterPrograms programs;
-  RasterScene scene;
+  std::unique_ptr<RasterScene> scene;  // these two are of the scene that is drawn (SceneOnGpu)
   RasterSprites sprites;
-  RasterLights lights;
+  std::unique_ptr<RasterLights> lights;
   RasterTargets targets;
   DistortionTargets distortion;
   OpaqueLevels opaque_levels;

@@ -27,14 +27,14 @@ void RasterState::draw_temporal(const FrameBefore& before) {
   program.set("distance_now", distance_along(view, view.view_from_local));
   if (has_history) {
     glm::dmat4 moved(1.0);
-    moved[3] = glm::dvec4(scene.snapshot().origin - before.snapshot->origin, 1.0);
+    moved[3] = glm::dvec4(scene->snapshot().origin - before.snapshot->origin, 1.0);
     program.set("distance_before", distance_along(view, before.view.view_from_local * moved));
   }
-  scene.textures().bind_plain(unit::material, GL_TEXTURE_2D, targets.color());
-  scene.textures().bind_plain(unit::material + 1, GL_TEXTURE_2D, targets.motion());
-  scene.textures().bind_plain(unit::material + 2, GL_TEXTURE_2D, has_history ? temporal.past_picture() : 0);
-  scene.textures().bind_plain(unit::material + 3, GL_TEXTURE_2D, has_history ? temporal.past_state() : 0);
-  scene.textures().bind_plain(unit::material + 7, GL_TEXTURE_2D, targets.depth_stencil());
+  scene->textures().bind_plain(unit::material, GL_TEXTURE_2D, targets.color());
+  scene->textures().bind_plain(unit::material + 1, GL_TEXTURE_2D, targets.motion());
+  scene->textures().bind_plain(unit::material + 2, GL_TEXTURE_2D, has_history ? temporal.past_picture() : 0);
+  scene->textures().bind_plain(unit::material + 3, GL_TEXTURE_2D, has_history ? temporal.past_state() : 0);
+  scene->textures().bind_plain(unit::material + 7, GL_TEXTURE_2D, targets.depth_stencil());
   draw_screen();
   if (has_history) temporal.copy_to(targets);
 }

@@ -37,16 +37,16 @@ class WidthGuard {
 void RasterState::draw_thin(bool marks_inexact) {
   const WidthGuard widths(gl);
   if (marks_inexact) gl.StencilFunc(GL_ALWAYS, 0, inexact_stencil_bit);
-  for (const Draw& draw : scene.thin()) {
+  for (const Draw& draw : scene->thin()) {
     if (is_outside(clip_from_local, draw.bounds)) continue;
-    const Shading shading = scene.shading(draw);
-    const Program& program = programs.gbuffer(shading, scene.material(draw).discards);
+    const Shading shading = scene->shading(draw);
+    const Program& program = programs.gbuffer(shading, scene->material(draw).discards);
     program.use();
     program.set("clip_from_local", clip_from_local);
     if (shading.lobes & (lobe::film | lobe::anisotropy)) set_view_uniforms(program);
-    scene.bind_material(draw.material, shading.maps);
+    scene->bind_material(draw.material, shading.maps);
     set_culling(draw, 0);
-    scene.draw(draw);
+    scene->draw(draw);
   }
 }
 

@@ -10,7 +10,7 @@ namespace sideray::gl {
 
 std::vector<RasterState::TranslucentItem> RasterState::sorted_objects() const {
   std::vector<TranslucentItem> items;
-  for (const Draw& draw : scene.translucent()) {
+  for (const Draw& draw : scene->translucent()) {
     if (is_hidden(draw.bounds)) continue;
     const glm::vec3 offset = draw.bounds.center() - view.eye;
     items.push_back({view.orthographic ? glm::dot(offset, view.forward) : glm::length(offset), &draw});
@@ -26,7 +26,7 @@ std::vector<RasterState::TranslucentItem> RasterState::sorted_objects() const {
 std::vector<RasterState::TranslucentItem> RasterState::sorted_translucent() {
   const std::vector<TranslucentItem> objects = sorted_objects();
   if (!has_sprites()) return objects;
-  const std::span<const PlacedSprite> placed = sprites.place(scene.snapshot(), view);
+  const std::span<const PlacedSprite> placed = sprites.place(scene->snapshot(), view);
   std::vector<TranslucentItem> items;
   uint32_t next = 0;
   const auto add_sprites_behind = [&](float depth) {
@@ -46,28 +46,28 @@ std::vector<RasterState::TranslucentItem> RasterState::sorted_translucent() {
 }
 
 bool RasterState::has_sprites() const {
-  const std::vector<model::ParticleSystem>& systems = scene.snapshot().particles;
+  const std::vector<model::ParticleSystem>& systems = scene->snapshot().particles;
   return std::any_of(systems.begin(), systems.end(), [](const model::ParticleSystem& s) { return !s.sprites.empty(); });
 }
 
 // Draws the inner side of a two-sided object first, which is right for convex ones.
 void RasterState::draw_translucent_object(const Draw& draw, FragmentOrder order) {
-  const bool two_sided = !scene.material(draw).cull_back;
+  const bool two_sided = !scene->material(draw).cull_back;
   if (order != FragmentOrder::blended) {
     set_culling(draw, two_sided ? 0 : GL_BACK);
-    scene.draw(draw);
+    scene->draw(draw);
     return;
   }
   if (two_sided) {
     set_culling(draw, GL_FRONT);
-    scene.draw(draw);
+    scene->draw(draw);
   }
   set_culling(draw, GL_BACK);
-  scene.draw(draw);
+  scene->draw(draw);
 }
 
 void RasterState::bind_cache(const Program& program, const Translucency& pass) {
-  scene.textures().bind_empty_cache();
+  scene->textures().bind_empty_cache();
   program.set("sideray_layers", 0);
   if (pass.bind_cache && pass.traced != TracedSet::none) {
     pass.bind_cache(program.id(), unit::layer_cache);
@@ -78,12 +78,12 @@ void RasterState::bind_cache(const Program& program, const Translucency& pass) {
 // The drivers that have fewer texture units than the picture needs draw what is straight behind.
 bool RasterState::bends_aside(const Draw& draw, const Translucency& pass) const {
   return pass.aside && gl.texture_units > static_cast<int>(unit::opaque_levels) &&
-         model::bends_light(scene.material(draw).desc);
+         model::bends_light(scene->material(draw).desc);
 }
 
 const Program& RasterState::program_of(const TranslucentItem& item, const Translucency& pass, FragmentOrder order) {
-  if (item.draw) return programs.translucent(scene.shading(*item.draw), order, bends_aside(*item.draw, pass));
-  const model::ParticleSystem& system = scene.snapshot().particles[item.sprites.system];
+  if (item.draw) return programs.translucent(scene->shading(*item.draw), order, bends_aside(*item.draw, pass));
+  const model::ParticleSystem& system = scene->snapshot().particles[item.sprites.system];
   return programs.sprites({system.desc.lit != 0, is_soft(system), pass.refracted}, order);
 }
 
@@ -91,20 +91,20 @@ void RasterState::prepare_translucent(const Program& program, const Translucency
   program.set("clip_from_local", clip_from_local);
   set_view_uniforms(program);
   if (for_sprites) RasterSprites::set_view(program, view, targets.height());
-  if (program.uniform("light_count") >= 0) lights.bind(program, scene.textures(), pass.shadows);
+  if (program.uniform("light_count") >= 0) lights->bind(program, scene->textures(), pass.shadows);
   if (!for_sprites || pass.refracted) bind_cache(program, pass);
 }
 
 void RasterState::draw_sprites(const Program& program, const SpriteRun& run) {
-  RasterSprites::set_system(program, scene.snapshot(), run.system, scene.textures());
-  if (is_soft(scene.snapshot().particles[run.system]))
-    scene.textures().bind_plain(unit::material + 1, GL_TEXTURE_2D, targets.depth_copy());
-  scene.forget_bindings();
+  RasterSprites::set_system(program, scene->snapshot(), run.system, scene->textures());
+  if (is_soft(scene->snapshot().particles[run.system]))
+    scene->textures().bind_plain(unit::material + 1, GL_TEXTURE_2D, targets.depth_copy());
+  scene->forget_bindings();
   sprites.draw(run);
 }
 
 void RasterState::draw_sprite_outlines() {
-  const std::span<const PlacedSprite> placed = sprites.place(scene.snapshot(), view);
+  const std::span<const PlacedSprite> placed = sprites.place(scene->snapshot(), view);
   const Program& program = programs.sprite_coverage();
   program.use();
   RasterSprites::set_view(program, view, targets.height());
@@ -129,8 +129,8 @@ void RasterState::draw_translucent_items(Items items, const Translucency& pass, 
     }
     const Draw& draw = *item.draw;
     program.set("traced_surface_id", is_traced(draw, pass.traced) ? draw.surface_id : 0u);
-    scene.bind_material(draw.material, scene.shading(draw).maps);
-    scene.set_wind(program, draw);
+    scene->bind_material(draw.material, scene->shading(draw).maps);
+    scene->set_wind(program, draw);
     draw_translucent_object(draw, order);
   }
 }
@@ -155,13 +155,13 @@ void RasterState::draw_in_order(const Translucency& pass) {
 
 // Copies the opaque picture where a surface in view shows it bent or blurred.
 void RasterState::copy_opaque(const Translucency& pass) {
-  const std::vector<Draw>& draws = scene.translucent();
+  const std::vector<Draw>& draws = scene->translucent();
   const bool needed = std::any_of(draws.begin(), draws.end(), [&](const Draw& draw) {
     return bends_aside(draw, pass) && !is_hidden(draw.bounds);
   });
   if (!needed) return opaque_levels.release();
   opaque_levels.copy(targets);
-  scene.textures().bind_plain(unit::opaque_levels, GL_TEXTURE_2D, opaque_levels.texture());
+  scene->textures().bind_plain(unit::opaque_levels, GL_TEXTURE_2D, opaque_levels.texture());
 }
 
 FragmentCounts RasterState::draw_translucency(const Translucency& pass) {
@@ -171,7 +171,7 @@ FragmentCounts RasterState::draw_translucency(const Translucency& pass) {
   // NVIDIA's driver (580.159) passes every depth test here where shadow maps were drawn between the G-buffer and the
   // first use of its depth through this framebuffer, until something is cleared in it. The stencil holds 0 already.
   if (!stencil_cleared) clear_stencil();
-  if (has_soft_sprites(scene.snapshot())) targets.copy_depth();
+  if (has_soft_sprites(scene->snapshot())) targets.copy_depth();
   if (pass.whole.transmittance != 0) draw_whole(pass.whole);
   draw_in_order(pass);
   gl.Disable(GL_BLEND);

@@ -1,4 +1,5 @@
-// Puts what MuJoCo shows behind everything behind a picture: a sky that lights nothing, or nothing in place of what lights.
+// Puts what MuJoCo shows behind everything behind a picture: a sky that lights nothing, or nothing in place of what lights; and
+// the haze around the horizon of planes without an end.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -77,6 +78,44 @@ Vec3 vector_of(const Array<double>& array, const char* what) {
   return {static_cast<float>(array.data()[0]), static_cast<float>(array.data()[1]), static_cast<float>(array.data()[2])};
 }
 
+// MuJoCo's haze: planes without an end go over into a colour, and that into the sky at the horizon. As measured in its pictures,
+// it is two strips around what is below the eye: from the plane, at (1 - share) of `end`, to the colour at `end`, and on to
+// nothing at the eye's height at (1 + share) of `end`; the inner edge of the first lies as far below the plane as its distance
+// is enlarged by 1 + share. Nothing of the plane is seen beyond `end`.
+struct Haze {
+  Array<uint32_t> surfaces;   // of each pixel
+  Array<uint8_t> is_endless;  // of each surface id: the background (0) and planes without an end
+  Vec3 color, up;             // up: of the plane, unit
+  float height, end, share;   // of the eye above the plane
+
+  bool is_at(py::ssize_t pixel) const {
+    const uint32_t surface = surfaces.data()[pixel];
+    return surface < static_cast<size_t>(is_endless.size()) && is_endless.data()[surface] != 0;
+  }
+  // How far a direction leads down for each step along the plane, in units of that of the strips' common edge.
+  float slope(const Vec3& d) const {
+    const float down = -(d[0] * up[0] + d[1] * up[1] + d[2] * up[2]);
+    const float squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - down * down;
+    return down * end / (height * std::sqrt(std::max(squared, 1e-20f)));
+  }
+  // How much of a direction's colour is the haze's. Along a strip, which is seen in perspective.
+  float share_at(float slope) const {
+    if (slope <= 0.0f) return 0.0f;
+    if (slope < 1.0f) return slope * (1.0f + share) / (1.0f + slope * share);
+    const float left = (1.0f + share) * (1.0f - (1.0f - share) * slope);  // what is left to the inner edge
+    return left <= 0.0f ? 0.0f : left / (left + slope - 1.0f);
+  }
+};
+
+Haze haze_of(const py::dict& fields, py::ssize_t pixels) {
+  const auto number = [&](const char* name) { return fields[name].cast<float>(); };
+  Haze haze{fields["surfaces"].cast<Array<uint32_t>>(), fields["is_endless"].cast<Array<uint8_t>>(),
+            vector_of(fields["color"].cast<Array<double>>(), "color"), vector_of(fields["up"].cast<Array<double>>(), "up"),
+            number("height"), number("end"), number("share")};
+  if (haze.surfaces.size() != pixels) throw Error(SIDERAY_INVALID_ARGUMENT, "haze: surfaces: give one of each pixel");
+  return haze;
+}
+
 // Calls work(first, end) for as many parts of the rows as threads are worth their start.
 template <typename Work>
 void by_rows(py::ssize_t height, py::ssize_t width, py::ssize_t threads, const Work& work) {
@@ -89,38 +128,49 @@ void by_rows(py::ssize_t height, py::ssize_t width, py::ssize_t threads, const W
 }
 
 // Where nothing hides it, `added` is added and the sky times `sky_share`. planes: R, G, B, A. A pixel's direction is corner +
-// column * across + row * down. Returns (height, width, 3).
+// column * across + row * down. haze: the fields of Haze. Returns (height, width, 3).
 py::array with_backdrop(const std::vector<Array<float>>& planes, const Array<double>& added,
                         const std::optional<Array<uint8_t>>& faces, double sky_share, bool srgb, const Array<double>& corner,
-                        const Array<double>& across, const Array<double>& down, py::ssize_t threads) {
+                        const Array<double>& across, const Array<double>& down, py::ssize_t threads,
+                        const std::optional<py::dict>& haze_fields) {
   const Vec3 constant = vector_of(added, "added"), from = vector_of(corner, "corner"), right = vector_of(across, "across"),
              below = vector_of(down, "down");
   if (planes.size() != 4) throw Error(SIDERAY_INVALID_ARGUMENT, "planes: give R, G, B and A");
   const py::ssize_t height = planes[0].shape(0), width = planes[0].shape(1);
   for (const Array<float>& plane : planes) require_shape(plane, {height, width}, "planes");
   std::optional<Sky> sky;
-  if (faces && sky_share != 0.0) sky.emplace(*faces, srgb);
+  if (faces && (sky_share != 0.0 || haze_fields)) sky.emplace(*faces, srgb);
+  std::optional<Haze> haze;
+  if (haze_fields) haze = haze_of(*haze_fields, height * width);
   py::array_t<float> result({height, width, py::ssize_t{3}});
   float* const pixels = result.mutable_data();
   const std::array<const float*, 4> rgba = {planes[0].data(), planes[1].data(), planes[2].data(), planes[3].data()};
   py::gil_scoped_release released;
   const auto share = static_cast<float>(sky_share);
+  const auto direction = [&](py::ssize_t x, py::ssize_t y) {
+    Vec3 d;
+    for (size_t k = 0; k < 3; ++k) d[k] = from[k] + static_cast<float>(x) * right[k] + static_cast<float>(y) * below[k];
+    return d;
+  };
+  const auto blur = [&](const Vec3& d, float* to, bool is_surface) {
+    const float slope = haze->slope(d), part = haze->share_at(slope);
+    if (is_surface && slope < 1.0f && sky) {
+      const Vec3 seen = sky->look_up(d);
+      for (size_t k = 0; k < 3; ++k) to[k] = seen[k];
+    }
+    for (size_t k = 0; k < 3; ++k) to[k] += part * (haze->color[k] - to[k]);
+  };
   const auto fill_row = [&](py::ssize_t y) {
     for (py::ssize_t x = 0, i = y * width; x < width; ++x, ++i) {
       float* const to = pixels + 3 * i;
       const float clear = 1.0f - rgba[3][i];
-      if (clear <= 0.0f) {
-        for (size_t k = 0; k < 3; ++k) to[k] = rgba[k][i];
-        continue;
-      }
       Vec3 missing = constant;
-      if (sky) {
-        Vec3 d;
-        for (size_t k = 0; k < 3; ++k) d[k] = from[k] + static_cast<float>(x) * right[k] + static_cast<float>(y) * below[k];
-        const Vec3 seen = sky->look_up(d);
+      if (clear > 0.0f && sky && share != 0.0f) {
+        const Vec3 seen = sky->look_up(direction(x, y));
         for (size_t k = 0; k < 3; ++k) missing[k] += share * seen[k];
       }
-      for (size_t k = 0; k < 3; ++k) to[k] = rgba[k][i] + clear * missing[k];
+      for (size_t k = 0; k < 3; ++k) to[k] = rgba[k][i] + (clear > 0.0f ? clear * missing[k] : 0.0f);
+      if (haze && haze->is_at(i)) blur(direction(x, y), to, haze->surfaces.data()[i] != 0);
     }
   };
   by_rows(height, width, threads, [&](py::ssize_t first, py::ssize_t end) {
@@ -144,7 +194,8 @@ py::array as_bytes(const Array<float>& values) {
 
 void define_backdrop(py::module_& module) {
   module.def("with_backdrop", with_backdrop, py::arg("planes"), py::arg("added"), py::arg("faces"), py::arg("sky_share"),
-             py::arg("srgb"), py::arg("corner"), py::arg("across"), py::arg("down"), py::arg("threads"));
+             py::arg("srgb"), py::arg("corner"), py::arg("across"), py::arg("down"), py::arg("threads"),
+             py::arg("haze"));
   module.def("as_bytes", as_bytes, py::arg("values"));
 }
 

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import Any, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
+from ._arrays import Array, Doubles, Floats
 from ._errors import InvalidArgument
 
-Vector = Union[Sequence[float], np.ndarray]  # of three numbers
+Vector = Union[Sequence[float], Array]  # of three numbers
 
 
-def matrix(transform: Any, what: str) -> np.ndarray:
+def matrix(transform: Any, what: str) -> Doubles:
     """A transform of shape (4, 4) or (3, 4) as float64 of shape (4, 4). Refuses others, naming `what`."""
     try:
         given = np.asarray(transform, np.float64)
@@ -29,7 +30,7 @@ def matrix(transform: Any, what: str) -> np.ndarray:
     return full
 
 
-def _vector(values: Vector, what: str) -> np.ndarray:
+def _vector(values: Vector, what: str) -> Doubles:
     try:
         given = np.asarray(values, np.float64)
     except (TypeError, ValueError):
@@ -51,7 +52,7 @@ class Camera:
     shift: the principal point from the middle of the picture, right in widths and down in heights of the picture.
     """
 
-    world_from_camera: np.ndarray = dataclasses.field(default_factory=lambda: np.eye(4))
+    world_from_camera: Doubles = dataclasses.field(default_factory=lambda: np.eye(4))
     yfov: float = math.radians(45.0)
     z_near: float = 0.1
     z_far: float = math.inf
@@ -119,7 +120,7 @@ class Camera:
         return cls(world_from_camera, 2.0 * math.atan(0.5 * height / fy), z_near, z_far, fx_per_fy=fx / fy,
                    shift=(cx / width - 0.5, cy / height - 0.5))
 
-    def intrinsics(self, size: Tuple[int, int]) -> np.ndarray:
+    def intrinsics(self, size: Tuple[int, int]) -> Doubles:
         """The pinhole's (3, 3) matrix of a picture of this (width, height): pixels from the outer corner of the top left pixel.
 
         From the middle of that pixel, as OpenCV counts, cx and cy are half a pixel less. Orthographic cameras have none.
@@ -131,7 +132,7 @@ class Camera:
         return np.array([[fy * self.fx_per_fy, 0.0, (0.5 + self.shift[0]) * width], [0.0, fy, (0.5 + self.shift[1]) * height],
                          [0.0, 0.0, 1.0]])
 
-    def rays(self, size: Tuple[int, int]) -> Tuple[np.ndarray, np.ndarray]:
+    def rays(self, size: Tuple[int, int]) -> Tuple[Doubles, Floats]:
         """Rays through the centres of the pixels of a picture of this (width, height), top row first.
 
         Returns origins, (height, width, 3) float64, and directions, the same in float32, both in world space. A
@@ -150,7 +151,7 @@ class Camera:
         start = np.stack([across, up, zero], -1) @ world[:3, :3].T + world[:3, 3]
         return start, np.broadcast_to(-world[:3, 2], start.shape).astype(np.float32)
 
-    def _directions(self, size: Tuple[int, int]) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _directions(self, size: Tuple[int, int]) -> Tuple[Doubles, Doubles, Doubles]:
         """Of the top left pixel's centre, and what is added for each column and each row."""
         width, height = size
         world = self.world_from_camera[:3, :3]
@@ -161,7 +162,7 @@ class Camera:
         corner = np.array([pixel / self.fx_per_fy * (0.5 - width * (0.5 + right)), pixel * (height * (0.5 + down) - 0.5), -1.0])
         return world @ corner, world @ [pixel / self.fx_per_fy, 0.0, 0.0], world @ [0.0, -pixel, 0.0]
 
-    def _fields(self) -> dict:
+    def _fields(self) -> Dict[str, Any]:
         """As the extension takes it."""
         return {
             "world_from_camera": self.world_from_camera[:3].T.ravel(),
@@ -176,7 +177,7 @@ class Camera:
         }
 
     @classmethod
-    def _of_fields(cls, fields: dict) -> Camera:
+    def _of_fields(cls, fields: Dict[str, Any]) -> Camera:
         world = np.eye(4)
         world[:3] = np.reshape(fields["world_from_camera"], (4, 3)).T
         return cls(world, fields["yfov"], fields["z_near"], fields["z_far"] or math.inf,

@@ -7,11 +7,12 @@ from typing import Any, Dict, NamedTuple, Optional, Union
 
 import numpy as np
 
+from ._arrays import Array
 from . import _native
 from ._errors import InvalidArgument, SceneNotFound
 from ._picture import Picture
 
-ImageLike = Union[Picture, str, "os.PathLike[str]", np.ndarray]
+ImageLike = Union[Picture, str, "os.PathLike[str]", Array]
 
 
 class Comparison(NamedTuple):
@@ -19,22 +20,23 @@ class Comparison(NamedTuple):
     flip_map: (height, width) float32 of 0..1, or None where a pixel is not finite."""
 
     metrics: Dict[str, float]
-    flip_map: Optional[np.ndarray]
+    flip_map: Optional[Array]
 
     def __getitem__(self, key: Any) -> Any:
         """A metric by name, too."""
         return self.metrics[key] if isinstance(key, str) else tuple.__getitem__(self, key)
 
 
-def read_image(path: Union[str, "os.PathLike[str]"]) -> Dict[str, np.ndarray]:
+def read_image(path: Union[str, "os.PathLike[str]"]) -> Dict[str, Array]:
     """The channels of a `.png`, `.exr` or `.hdr` by name, (height, width) each, top row first.
 
     R, G and B of a PNG are display values of 0..1, of the others linear radiance.
     """
-    return _read(path)[0]
+    planes: Dict[str, Array] = _read(path)[0]
+    return planes
 
 
-def save_png(path: Union[str, "os.PathLike[str]"], rgb: np.ndarray) -> None:
+def save_png(path: Union[str, "os.PathLike[str]"], rgb: Array) -> None:
     """Writes (height, width, 3) uint8 as a PNG, whole or not at all."""
     _native.write_png(os.fspath(path), np.ascontiguousarray(rgb))
 

@@ -8,6 +8,7 @@ from typing import Any, Dict, Tuple
 
 import numpy as np
 
+from ._arrays import Bools, Bytes, Floats, Uints
 from . import _native
 from ._errors import InvalidArgument
 
@@ -51,16 +52,16 @@ class LayeredDepth:
     and a SurfaceFace.
     """
 
-    count: np.ndarray
-    z: np.ndarray
-    distance: np.ndarray
-    normal: np.ndarray
-    geometric_normal: np.ndarray
-    surface_id: np.ndarray
-    instance: np.ndarray
-    primitive: np.ndarray
-    kind: np.ndarray
-    face: np.ndarray
+    count: Uints
+    z: Floats
+    distance: Floats
+    normal: Floats
+    geometric_normal: Floats
+    surface_id: Uints
+    instance: Uints
+    primitive: Uints
+    kind: Bytes
+    face: Bytes
 
     @property
     def layers(self) -> int:
@@ -73,7 +74,7 @@ class LayeredDepth:
         return int(self.z.shape[1]), int(self.z.shape[0])
 
     @property
-    def translucent(self) -> np.ndarray:
+    def translucent(self) -> Bools:
         """(height, width, layers) bool: the surface is translucent."""
         return self.kind >= SurfaceKind.BLEND
 

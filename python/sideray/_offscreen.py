@@ -15,6 +15,7 @@ from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 import numpy as np
 
+from ._arrays import Array
 from . import _native
 from ._camera import Camera
 from ._errors import InvalidArgument, Unsupported
@@ -113,7 +114,7 @@ class OffscreenRenderer:
             self._renderer.close()
         self._renderer = None
 
-    def _color(self, mirror: Optional[_Mirror], options: Mapping[str, Any], with_alpha: bool) -> np.ndarray:
+    def _color(self, mirror: Optional[_Mirror], options: Mapping[str, Any], with_alpha: bool) -> Array:
         assert self.picture is not None
         rgb, alpha = self.picture.rgb, self.picture["A"]
         if mirror is not None:
@@ -124,7 +125,7 @@ class OffscreenRenderer:
             return color
         return np.dstack([color, np.floor(np.clip(alpha, 0, 1) * 255 + 0.5).astype(np.uint8)])
 
-    def _segmented(self, mirror: Optional[_Mirror], colors: Mapping[Any, Any], with_alpha: bool) -> np.ndarray:
+    def _segmented(self, mirror: Optional[_Mirror], colors: Mapping[Any, Any], with_alpha: bool) -> Array:
         assert self.picture is not None
         if mirror is None:
             raise InvalidArgument("SEG: a scene of this package has no nodes; use Picture.ids")
@@ -182,7 +183,7 @@ class _Mirror:
             return Camera.from_intrinsics(pose, camera.fx, camera.fy, camera.cx, camera.cy, size, z_near=near, z_far=far)
         return Camera(pose, camera.yfov, near, far)
 
-    def _place(self, key: Tuple[int, int, int], node: Any, primitive: Any, world: np.ndarray,
+    def _place(self, key: Tuple[int, int, int], node: Any, primitive: Any, world: Array,
                double_sided: bool) -> None:
         mesh, material = self._mesh(primitive), self._material(primitive, double_sided)
         shown = self._objects.get(key)
@@ -229,7 +230,7 @@ class _Mirror:
         self._materials[id(source)] = (source, fields, number)
         return number
 
-    def _alpha_mode(self, source: Any, colors: Optional[np.ndarray]) -> str:
+    def _alpha_mode(self, source: Any, colors: Optional[Array]) -> str:
         """BLEND is pyrender's default, for what is opaque too, and would be left out of depth."""
         mode = source.alphaMode.lower()
         texels = source.baseColorTexture.source if source.baseColorTexture is not None else None
@@ -240,7 +241,7 @@ class _Mirror:
             has_alpha.append(bool(np.min(colors[:, 3]) < 1))
         return "opaque" if mode == "blend" and not any(has_alpha) else mode
 
-    def _fields(self, source: Any, colors: Optional[np.ndarray], double_sided: bool) -> Dict[str, Any]:
+    def _fields(self, source: Any, colors: Optional[Array], double_sided: bool) -> Dict[str, Any]:
         fields: Dict[str, Any] = {
             "base_color": tuple(map(float, source.baseColorFactor)), "metallic": float(source.metallicFactor),
             "roughness": float(source.roughnessFactor), "alpha_mode": self._alpha_mode(source, colors),
@@ -279,6 +280,6 @@ class _Mirror:
         self.ambient = ambient
 
 
-def _flipped(uv: Optional[np.ndarray]) -> Optional[np.ndarray]:
+def _flipped(uv: Optional[Array]) -> Optional[Array]:
     """pyrender's coordinates begin at the bottom left of the image."""
     return None if uv is None else np.stack([uv[:, 0], 1 - uv[:, 1]], -1)

@@ -7,6 +7,7 @@ from typing import Any, Dict, Iterator, List, Optional, Tuple, Union
 
 import numpy as np
 
+from ._arrays import Array, Bytes, Floats, Uints
 from . import _native
 from ._errors import InvalidArgument, UnknownChannel
 
@@ -37,8 +38,8 @@ class Picture:
                  light_names: Tuple[str, ...] = ()) -> None:
         self._drawn: Union[_native.Picture, _Unpickled] = drawn
         self._exposure, self._tonemap = exposure, tonemap
-        self._planes: Dict[str, np.ndarray] = {_named(name, light_names): plane for name, plane in drawn.channels().items()}
-        self._groups: Dict[str, np.ndarray] = {}
+        self._planes: Dict[str, Array] = {_named(name, light_names): plane for name, plane in drawn.channels().items()}
+        self._groups: Dict[str, Array] = {}
 
     def __getstate__(self) -> Dict[str, Any]:
         return {"drawn": (self.width, self.height, self.stats, self.times), "shown": (self._exposure, self._tonemap),
@@ -65,22 +66,22 @@ class Picture:
         return self.width, self.height
 
     @property
-    def rgb(self) -> np.ndarray:
+    def rgb(self) -> Floats:
         """(height, width, 3) float32: linear Rec.709 radiance, without exposure and tone mapping."""
         return self._stacked("rgb", ("R", "G", "B"))
 
     @property
-    def rgba(self) -> np.ndarray:
+    def rgba(self) -> Floats:
         """(height, width, 4) float32: rgb, and 1 minus the product of transmittances over the background."""
         return self._stacked("rgba", ("R", "G", "B", "A"))
 
     @property
-    def depth(self) -> np.ndarray:
+    def depth(self) -> Floats:
         """(height, width) float32: distance along the view axis of what is opaque, world units; +inf where it is nothing."""
         return self["Z"]
 
     @property
-    def ids(self) -> np.ndarray:
+    def ids(self) -> Uints:
         """(height, width) uint32: surface id of what is opaque; 0 where it is nothing."""
         return self["id.surface"]
 
@@ -99,7 +100,7 @@ class Picture:
         """Milliseconds of each stage by name: first quartile, median, third quartile over the repeats."""
         return self._drawn.times()
 
-    def __getitem__(self, name: str) -> np.ndarray:
+    def __getitem__(self, name: str) -> Array:
         """A channel, or the channels of an additional output side by side.
 
         "Z" and "N.X" are (height, width), "N" is (height, width, 3). Where the parts are of different types
@@ -122,7 +123,7 @@ class Picture:
         """The names of all channels."""
         return self.channels
 
-    def display(self, *, exposure: Optional[float] = None, tonemap: Optional[str] = None) -> np.ndarray:
+    def display(self, *, exposure: Optional[float] = None, tonemap: Optional[str] = None) -> Bytes:
         """(height, width, 3) uint8: sRGB of tonemap(2^exposure * rgb), as the program writes a PNG.
 
         exposure: stops; tonemap: none, reinhard, aces, aces-filmic or pbr-neutral. Where they are not given they are those
@@ -142,7 +143,7 @@ class Picture:
         else:
             raise InvalidArgument(f"{name}: pictures are written as .png or .exr; give one of them, or write Picture.rgb yourself")
 
-    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> np.ndarray:
+    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> Array:
         """The picture is its rgb for numpy."""
         return self.rgb.astype(dtype, copy=bool(copy)) if dtype is not None else self.rgb
 
@@ -152,7 +153,7 @@ class Picture:
     def __repr__(self) -> str:
         return f"<sideray.Picture {self.width}x{self.height}: {', '.join(self._planes)}>"
 
-    def _planes_of(self, name: str) -> List[np.ndarray]:
+    def _planes_of(self, name: str) -> List[Array]:
         """The channels that a name stands for, as they lie in memory."""
         own = [name] if name in self._planes else self._parts(name)
         parts = {"rgb": ["R", "G", "B"], "rgba": ["R", "G", "B", "A"]}.get(name, own)
@@ -160,7 +161,7 @@ class Picture:
             self._made_group(name)  # says that there is none
         return [self[part] for part in parts]
 
-    def _stacked(self, name: str, parts: Tuple[str, ...]) -> np.ndarray:
+    def _stacked(self, name: str, parts: Tuple[str, ...]) -> Array:
         if name not in self._groups:
             self._groups[name] = _native.interleaved([self[part] for part in parts])
         return self._groups[name]
@@ -171,12 +172,12 @@ class Picture:
     def _is_layers(self, name: str) -> bool:
         return name == "layers" and bool(self._parts("layer0"))
 
-    def _group(self, name: str) -> np.ndarray:
+    def _group(self, name: str) -> Array:
         if name not in self._groups:
             self._groups[name] = self._made_group(name)
         return self._groups[name]
 
-    def _made_group(self, name: str) -> np.ndarray:
+    def _made_group(self, name: str) -> Array:
         if self._is_layers(name):
             count = next(k for k in range(1, 1000) if not self._parts(f"layer{k}"))
             return np.stack([self[f"layer{k}"] for k in range(count)])
@@ -187,7 +188,7 @@ class Picture:
             raise UnknownChannel(f"{name}: the picture has no such channel; it has {', '.join(self._planes)}; render with "
                                  f"aov=\"{name}\" where that is an additional output")
         planes = [self._planes[part] for part in parts]
-        if len({plane.dtype for plane in planes}) == 1:
+        if len({plane.dtype.str for plane in planes}) == 1:
             return _native.interleaved(planes)
         fields = np.empty(planes[0].shape, [(part[len(name) + 1:], plane.dtype) for part, plane in zip(parts, planes)])
         for part, plane in zip(parts, planes):

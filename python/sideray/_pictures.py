@@ -6,6 +6,7 @@ from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
+from ._arrays import Array, Bytes, Doubles, Floats, Uints
 from . import _native
 from ._errors import InvalidArgument
 from ._picture import Picture
@@ -18,24 +19,24 @@ class Pictures(Sequence[Picture]):
     what is put side by side. They are made once, when they are first asked for, and kept.
     """
 
-    def __init__(self, pictures: Sequence[Picture], out: Optional[Mapping[str, np.ndarray]] = None) -> None:
+    def __init__(self, pictures: Sequence[Picture], out: Optional[Mapping[str, Array]] = None) -> None:
         self._pictures = list(pictures)
-        self._stacks: Dict[str, np.ndarray] = {}
+        self._stacks: Dict[str, Array] = {}
         for name, array in (out or {}).items():
             self._stacks[name] = self._stacked(name, array)
 
     @property
-    def rgb(self) -> np.ndarray:
+    def rgb(self) -> Floats:
         """(pictures, height, width, 3) float32, as Picture.rgb."""
         return self["rgb"]
 
     @property
-    def depth(self) -> np.ndarray:
+    def depth(self) -> Floats:
         """(pictures, height, width) float32, as Picture.depth."""
         return self["Z"]
 
     @property
-    def ids(self) -> np.ndarray:
+    def ids(self) -> Uints:
         """(pictures, height, width) uint32, as Picture.ids."""
         return self["id.surface"]
 
@@ -44,7 +45,7 @@ class Pictures(Sequence[Picture]):
         """The names of all channels."""
         return self._pictures[0].channels if self._pictures else []
 
-    def display(self, *, exposure: Optional[float] = None, tonemap: Optional[str] = None) -> np.ndarray:
+    def display(self, *, exposure: Optional[float] = None, tonemap: Optional[str] = None) -> Bytes:
         """(pictures, height, width, 3) uint8, as Picture.display."""
         return np.stack([picture.display(exposure=exposure, tonemap=tonemap) for picture in self._pictures])
 
@@ -53,9 +54,9 @@ class Pictures(Sequence[Picture]):
     @overload
     def __getitem__(self, index: slice) -> "Pictures": ...
     @overload
-    def __getitem__(self, index: str) -> np.ndarray: ...
+    def __getitem__(self, index: str) -> Array: ...
 
-    def __getitem__(self, index: Union[int, slice, str]) -> Union[Picture, "Pictures", np.ndarray]:
+    def __getitem__(self, index: Union[int, slice, str]) -> Union[Picture, "Pictures", Array]:
         if isinstance(index, slice):
             return Pictures(self._pictures[index])
         if not isinstance(index, str):
@@ -74,11 +75,11 @@ class Pictures(Sequence[Picture]):
         size = "{}x{}".format(*self._pictures[0].size) if self._pictures else "none"
         return f"<sideray.Pictures {len(self)} of {size}: {', '.join(self.channels)}>"
 
-    def _stacked(self, name: str, out: Optional[np.ndarray]) -> np.ndarray:
+    def _stacked(self, name: str, out: Optional[Array]) -> Array:
         planes = [picture._planes_of(name) for picture in self._pictures]
         if not planes:
             raise InvalidArgument(f"{name}: there is no picture; give cameras")
-        if len({plane.dtype for plane in planes[0]}) > 1:
+        if len({plane.dtype.str for plane in planes[0]}) > 1:
             if out is not None:
                 raise InvalidArgument(f"out[\"{name}\"]: its parts are of several types; give an array for each of them")
             return np.stack([picture[name] for picture in self._pictures])
@@ -92,8 +93,8 @@ class Pictures(Sequence[Picture]):
         return result
 
 
-def groups_of(poses: Optional[np.ndarray], lights: Optional[Sequence[Any]],
-              count: int) -> Tuple[Optional[np.ndarray], Optional[List[Any]], List[int]]:
+def groups_of(poses: Optional[Array], lights: Optional[Sequence[Any]],
+              count: int) -> Tuple[Optional[Array], Optional[List[Any]], List[int]]:
     """Cameras in a row that share a pose and lights are drawn together: poses and lights of the groups, and the camera that each
     ends before."""
     def differs(i: int) -> bool:
@@ -106,7 +107,7 @@ def groups_of(poses: Optional[np.ndarray], lights: Optional[Sequence[Any]],
                                          for i in begins], [*begins[1:], count])
 
 
-def columns_of(transforms: Any, cameras: int, objects: int) -> np.ndarray:
+def columns_of(transforms: Any, cameras: int, objects: int) -> Doubles:
     """(cameras, objects, 12) as the C interface takes transforms, of (cameras, objects, 3 or 4, 4)."""
     given = np.asarray(transforms, np.float64)
     if given.ndim != 4 or given.shape[:2] != (cameras, objects) or given.shape[2:] not in ((3, 4), (4, 4)):

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Mapping, 
 
 import numpy as np
 
+from ._arrays import Array
 from . import _native
 from ._camera import Camera, Vector
 from ._errors import InvalidArgument, Unsupported
@@ -190,7 +191,7 @@ class Renderer:
 
     def render_many(self, scene: Scene, cameras: Sequence[Union[Camera, str, int, ArrayLike]],
                     size: Sequence[int] = (1280, 720), *, objects: Sequence[Object] = (), transforms: Optional[ArrayLike] = None,
-                    out: Optional[Mapping[str, np.ndarray]] = None, aov: Union[str, Iterable[str]] = (),
+                    out: Optional[Mapping[str, Array]] = None, aov: Union[str, Iterable[str]] = (),
                     color: bool = True, exposure: float = 0.0, tonemap: str = "pbr-neutral", ray_traced: Optional[str] = None,
                     **options: Unpack[RenderOptions]) -> Pictures:
         """Draws the scene from many cameras at once: each picture has the bits that render() gives it alone.
@@ -216,8 +217,8 @@ class Renderer:
                 shown._transform = placed
         return Pictures(list(drawn), out) if out else drawn
 
-    def _draw_many(self, scene: Scene, views: Sequence[Camera], size: Tuple[int, int], instances: np.ndarray,
-                   moved: Optional[np.ndarray], lit: Optional[Sequence[Any]] = None, *, aov: Union[str, Iterable[str]] = (), color: bool = True, exposure: float = 0.0,
+    def _draw_many(self, scene: Scene, views: Sequence[Camera], size: Tuple[int, int], instances: Array,
+                   moved: Optional[Array], lit: Optional[Sequence[Any]] = None, *, aov: Union[str, Iterable[str]] = (), color: bool = True, exposure: float = 0.0,
                    tonemap: str = "pbr-neutral", ray_traced: Optional[str] = None, **options: Any) -> Pictures:
         """As render_many, of instances by their numbers. moved: (cameras, instances, 12), their transforms. lit: the lights of each
         camera, as Scene.lights."""

@@ -8,6 +8,7 @@ from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
+from ._arrays import Array
 from . import _layered, _native, _truth
 from ._camera import Camera, matrix
 from ._errors import InvalidArgument, SceneNotFound
@@ -23,12 +24,12 @@ _DEFAULT_SUN = {"type": "directional", "direction": (-0.4, -0.8, -0.45), "intens
                 "angular_diameter_deg": 0.53}
 
 
-def _columns(transform: Optional[ArrayLike]) -> np.ndarray:
+def _columns(transform: Optional[ArrayLike]) -> Array:
     """Twelve numbers, column by column, as the C interface takes them."""
     return matrix(np.eye(4) if transform is None else transform, "transform")[:3].T.ravel()
 
 
-def _array(values: ArrayLike, dtype: Any, what: str) -> np.ndarray:
+def _array(values: ArrayLike, dtype: Any, what: str) -> Array:
     try:
         given = np.asarray(values)
         if np.issubdtype(dtype, np.unsignedinteger):
@@ -51,7 +52,7 @@ def _array(values: ArrayLike, dtype: Any, what: str) -> np.ndarray:
 def _mesh_arrays(positions: ArrayLike, triangles: Optional[ArrayLike] = None, normals: Optional[ArrayLike] = None,
                  uv: Optional[ArrayLike] = None, uv1: Optional[ArrayLike] = None, colors: Optional[ArrayLike] = None,
                  tangents: Optional[ArrayLike] = None) -> _native.MeshArrays:
-    def optional(values: Optional[ArrayLike], dtype: Any, what: str) -> Optional[np.ndarray]:
+    def optional(values: Optional[ArrayLike], dtype: Any, what: str) -> Optional[Array]:
         return None if values is None else _array(values, dtype, what)
 
     rgba = optional(colors, np.float32, "colors")
@@ -63,7 +64,7 @@ def _mesh_arrays(positions: ArrayLike, triangles: Optional[ArrayLike] = None, no
         optional(uv, np.float32, "uv"), optional(uv1, np.float32, "uv1"), rgba)
 
 
-def _texels(image: ArrayLike) -> np.ndarray:
+def _texels(image: ArrayLike) -> Array:
     """(height, width, 4) uint8 of an image with 1, 3 or 4 channels, of uint8 or of floats 0..1."""
     given = np.asarray(image)
     if given.dtype != np.uint8:
@@ -87,13 +88,13 @@ class Object:
     """
 
     def __init__(self, scene: Scene, instance: int, mesh: int, material: int, surface_id: int, visibility: int,
-                 transform: np.ndarray) -> None:
+                 transform: Array) -> None:
         self._scene = scene
         self.instance, self.mesh, self.surface_id = instance, mesh, surface_id
         self._material, self._visibility, self._transform = material, visibility, transform
 
     @property
-    def transform(self) -> np.ndarray:
+    def transform(self) -> Array:
         """(4, 4) float64, world from object. Assign a new one to move the object."""
         world = np.eye(4)
         world[:3] = self._transform.reshape(4, 3).T
@@ -130,7 +131,7 @@ class Object:
         self._scene.names.pop(self.surface_id, None)
 
     def _replace(self, material: int, visibility: int) -> None:
-        def one(value: int) -> np.ndarray:
+        def one(value: int) -> Array:
             return np.array([value], np.uint32)
 
         self._scene._edited().replace_instances(one(self.instance), one(self.mesh), one(material), self._transform[None],
@@ -155,7 +156,7 @@ class Particles:
         placed = _array(positions, np.float64, "positions")
         count = len(placed)
 
-        def spread(values: ArrayLike, shape: Tuple[int, ...], what: str) -> np.ndarray:
+        def spread(values: ArrayLike, shape: Tuple[int, ...], what: str) -> Array:
             given = _array(values, np.float32, what)
             if given.ndim == 1 and len(shape) == 2 and given.shape == (count,) and count != shape[1]:
                 given = given[:, None]
@@ -259,7 +260,7 @@ class Scene:
         placed, number = _columns(transform), self._material(material)
         given = self._next_id if surface_id is None else int(surface_id)
 
-        def one(value: int) -> np.ndarray:
+        def one(value: int) -> Array:
             return _array([value], np.uint32, "surface_id")
 
         names = self._edited().add_instances(one(mesh), one(number), placed[None], one(given), one(visibility))
@@ -438,7 +439,7 @@ class Scene:
     # ---- what it is ----
 
     @property
-    def bounds(self) -> Optional[Tuple[np.ndarray, np.ndarray]]:
+    def bounds(self) -> Optional[Tuple[Array, Array]]:
         """Lowest and highest corner in world space, (3,) each; None where the scene is empty."""
         self._commit()
         corners = self._scene.bounds()
@@ -451,7 +452,7 @@ class Scene:
         return self._scene.facts()
 
     def trace_rays(self, origins: ArrayLike, directions: ArrayLike, *, t_near: ArrayLike = 0.0,
-                   t_far: ArrayLike = np.inf, layers: int = 1, translucent: bool = False) -> np.ndarray:
+                   t_far: ArrayLike = np.inf, layers: int = 1, translucent: bool = False) -> Array:
         """The nearest surfaces along rays, without OpenGL.
 
         origins: (..., 3) world; directions: (..., 3), need not be of unit length: distances are in their lengths; both
@@ -467,7 +468,7 @@ class Scene:
             raise InvalidArgument(f"origins and directions have the shape {from_.shape} together; give (..., 3)")
         shape = from_.shape[:-1]
 
-        def spread(values: ArrayLike) -> np.ndarray:
+        def spread(values: ArrayLike) -> Array:
             return np.ascontiguousarray(np.broadcast_to(np.asarray(values, np.float32), shape)).reshape(-1)
 
         hits = self._committed_tracer().trace_rays(from_.reshape(-1, 3), along.reshape(-1, 3), spread(t_near),
@@ -589,7 +590,7 @@ def _material_fields(fields: Mapping[str, Any]) -> Dict[str, Any]:
     return given
 
 
-def _lat_long(path: str) -> np.ndarray:
+def _lat_long(path: str) -> Array:
     if not os.path.exists(path):
         raise SceneNotFound(f"env: there is no file {path}; give \"sky\", \"none\", or a lat-long .exr or .hdr")
     planes, _ = _native.read_image(path)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Dict, Optional
 
 import numpy as np
 
+from ._arrays import Array
 from ._camera import Camera
 from ._errors import InvalidArgument
 
@@ -44,7 +45,7 @@ def fill(scene: Scene, source: Any, smooth: bool) -> None:
 
 def _mesh(scene: Scene, mesh: Any, smooth: bool) -> int:
     uv = getattr(mesh.visual, "uv", None)
-    colors: Optional[np.ndarray] = None
+    colors: Optional[Array] = None
     if mesh.visual.kind == "vertex":
         colors = _linear(np.asarray(mesh.visual.vertex_colors))
     elif mesh.visual.kind == "face":
@@ -62,7 +63,7 @@ def _mesh(scene: Scene, mesh: Any, smooth: bool) -> int:
                               colors=None if colors is None else colors[corners])
 
 
-def _linear(colors: np.ndarray) -> np.ndarray:
+def _linear(colors: Array) -> Array:
     """Bytes that trimesh shows as they are, as linear numbers; alpha is linear already."""
     values = colors.astype(np.float64) / 255.0
     values[:, :3] = np.where(values[:, :3] <= 0.04045, values[:, :3] / 12.92, ((values[:, :3] + 0.055) / 1.055) ** 2.4)

@@ -7,6 +7,7 @@ from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple
 
 import numpy as np
 
+from ._arrays import Bools, Uints
 from . import _native
 from ._errors import InvalidArgument
 
@@ -23,10 +24,10 @@ class Mask:
     size: Tuple[int, int]
     box: Tuple[int, int, int, int]
     area: int
-    runs: np.ndarray
+    runs: Uints
 
     @property
-    def pixels(self) -> np.ndarray:
+    def pixels(self) -> Bools:
         """(height, width) bool, top row first."""
         width, height = self.size
         inside = np.arange(len(self.runs)) % 2 == 1
@@ -53,7 +54,7 @@ class ObjectTruth:
     visible_fraction: float
 
 
-def pairs(objects: Optional[Mapping[int, Iterable[int]]]) -> Optional[Tuple[np.ndarray, np.ndarray]]:
+def pairs(objects: Optional[Mapping[int, Iterable[int]]]) -> Optional[Tuple[Uints, Uints]]:
     """Surface ids, and the object of each."""
     if objects is None:
         return None

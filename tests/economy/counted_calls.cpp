@@ -72,8 +72,8 @@ void wrap_state(G& table) {
 }
 
 void wrap_queries(G& table) {
-  wrap_all<&G::CheckFramebufferStatus, &G::ClientWaitSync, &G::GetBooleanv, &G::GetBufferSubData, &G::GetError,
-           &G::GetFloatv, &G::GetFramebufferAttachmentParameteriv, &G::GetInteger64v, &G::GetIntegerv,
+  wrap_all<&G::CheckFramebufferStatus, &G::ClientWaitSync, &G::GetActiveUniform, &G::GetBooleanv,
+           &G::GetBufferSubData, &G::GetError, &G::GetFloatv, &G::GetFramebufferAttachmentParameteriv, &G::GetInteger64v, &G::GetIntegerv,
            &G::GetProgramInfoLog, &G::GetProgramiv, &G::GetQueryObjectuiv, &G::GetRenderbufferParameteriv,
            &G::GetShaderInfoLog, &G::GetShaderiv, &G::GetString, &G::GetStringi, &G::GetTexImage,
            &G::GetTextureLevelParameteriv, &G::GetUniformBlockIndex, &G::GetUniformLocation, &G::IsBuffer, &G::IsEnabled,
@@ -97,8 +97,8 @@ void wrap_work(G& table) {
   wrap_all<&G::BeginQuery, &G::BlitFramebuffer, &G::ClearBufferData, &G::ClearBufferfi, &G::ClearBufferfv,
            &G::ClearBufferiv, &G::ClearBufferuiv, &G::CopyTexSubImage2D, &G::DrawArrays, &G::DrawArraysInstanced,
            &G::DrawElementsInstanced, &G::DrawElementsInstancedBaseInstance, &G::EndQuery, &G::Finish, &G::Flush, &G::GenerateMipmap,
-           &G::MemoryBarrier, &G::MultiDrawElementsIndirect, &G::ReadPixels, &G::Uniform1f, &G::Uniform1i, &G::Uniform1ui, &G::Uniform2fv,
-           &G::Uniform2iv, &G::Uniform2uiv, &G::Uniform3fv, &G::Uniform3iv, &G::Uniform4f, &G::Uniform4fv,
+           &G::MemoryBarrier, &G::MultiDrawElementsIndirect, &G::ReadPixels, &G::Uniform1f,
+           &G::Uniform1i, &G::Uniform1iv, &G::Uniform1ui, &G::Uniform2f, &G::Uniform2fv, &G::Uniform2iv, &G::Uniform2uiv, &G::Uniform3fv, &G::Uniform3iv, &G::Uniform4f, &G::Uniform4fv,
            &G::Uniform4iv, &G::UniformMatrix3fv, &G::UniformMatrix4fv>(table);
 }
 

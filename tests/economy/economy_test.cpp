@@ -6,8 +6,10 @@
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
 #include <new>
 #include <sideray/sideray.hpp>
+#include <vector>
 
 #include "bridge/renderer/renderer.h"
 #include "economy/counted_calls.h"
@@ -62,11 +64,13 @@ class Stage {
   }
 
   // What one picture costs, its pixels read back included.
-  Cost draw(const RenderOptions& options) {
+  Cost draw(const RenderOptions& options) { return draw(*this, options); }
+  // What a picture of another stage's scene costs this one's renderer.
+  Cost draw(Stage& shown, const RenderOptions& options) {
     const CallCounts calls = call_counts();
     const uint64_t allocated = allocations;
     const sideray_render_options given = options.c();
-    renderer_->render(scene_.get(), camera_, bridge::read_render_options(&given));
+    renderer_->render(shown.scene_.get(), shown.camera_, bridge::read_render_options(&given));
     return {call_counts() - calls, allocations - allocated};
   }
 
@@ -149,6 +153,32 @@ TEST(Economy, OpaqueRaysThatAreLeftOutCostNothing) {
 }
 
 // Of a later picture's shadow maps only the state is set that drawing into them takes.
+TEST(Economy, ScenesInTurnCostWhatEachCostsAlone) {
+  Stage one(scenes::generate("solids", {})), other(scenes::generate("solids", {}));
+  const RenderOptions options = options_of(SIDERAY_TRANSLUCENCY_HYBRID, SIDERAY_SHADOWS_MAP);
+  other.draw(one, options);
+  const Cost alone = other.draw(one, options);
+  other.draw(options);
+  for (const char* turn : {"first", "second"}) {
+    const Cost in_turn = other.draw(one, options);
+    print("after another scene", turn, in_turn);
+    EXPECT_EQ(in_turn.gl.calls, alone.gl.calls);
+    EXPECT_EQ(in_turn.gl.objects, 0u);
+    other.draw(options);
+  }
+}
+
+TEST(Economy, AFewScenesInTurnAreKept) {
+  std::vector<std::unique_ptr<Stage>> stages;
+  for (int i = 0; i < 6; ++i) stages.push_back(std::make_unique<Stage>(scenes::generate("panes", {})));
+  const RenderOptions options = options_of(SIDERAY_TRANSLUCENCY_HYBRID, SIDERAY_SHADOWS_MAP);
+  Stage& drawing = *stages.back();
+  for (const auto& stage : stages) drawing.draw(*stage, options);
+  const CallCounts kept = drawing.draw(*stages[2], options).gl, forgotten = drawing.draw(*stages[0], options).gl;
+  EXPECT_EQ(kept.objects, drawing.draw(*stages[0], options).gl.objects);
+  EXPECT_GT(forgotten.objects, kept.objects + 5);
+}
+
 TEST(Economy, ShadowMapsOfWhatStandsStillAreDrawnOnce) {
   const scenes::Content content = scenes::generate("solids", {});
   Stage with_maps(content), without(content);

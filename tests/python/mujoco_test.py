@@ -423,3 +423,44 @@ def test_channels_of_one_picture(has_own_renderer):
         inside = away_from_edges(expected[2]) & (expected[2] == drawn["segmentation"]).all(-1)
         assert (expected[2] != drawn["segmentation"]).any(-1).mean() < 0.01
         assert np.isclose(expected[1][inside], drawn["depth"][inside], rtol=5e-3).mean() > 0.999
+
+
+def test_channels_are_the_first_surfaces_of_the_picture():
+    """Glass included; and what is opaque is drawn once for all of them."""
+    opaque = SHAPES.format("checker")
+    glass = '<geom type="sphere" size=".4" pos="0 .9 .4" material="glass"/>'
+    for world, is_drawn_once in ((opaque, True), (opaque + glass, False)):
+        model = model_of(world)
+        with sideray_mujoco.Renderer(model, HEIGHT, WIDTH, aov="first") as renderer:
+            renderer.update_scene(data_of(model), view(model))
+            drawn = renderer.render_channels()
+            far = np.float32(renderer.scene.camera[0].frustum_far)
+            first = renderer.picture
+            assert np.isclose(drawn["depth"], np.minimum(first["first.Z"], far), rtol=1e-5).mean() > 0.9999
+            assert (drawn["segmentation"] == renderer.objects[first["first.surface"]]).mean() > 0.9999
+            assert (renderer._round is None) == is_drawn_once
+
+
+@pytest.mark.parametrize("share", [0.3, 0.6, 1.0])
+@pytest.mark.parametrize("glass", ["", '<geom type="sphere" size=".3" pos="-.6 3 .9" material="glass"/>'], ids=["opaque", "glass"])
+def test_haze_around_planes_without_an_end(has_own_renderer, share, glass):
+    """As MuJoCo blends it, over the plane, to the horizon and no further; not over what stands before it."""
+    post = '<geom type="box" size="1 1 2" pos="4 30 0" material="white"/>'
+    world = f'<geom type="plane" size="0 0 .1" material="green"/>{post}{glass}'
+    head = f'<headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/><map haze="{share}" znear=".01" zfar="25"/>'
+    model = mujoco.MjModel.from_xml_string(
+        f"<mujoco><statistic center='0 0 0' extent='2'/><visual>{head}<rgba haze='1 0 0 1'/></visual><asset>"
+        "<texture name='s' type='skybox' builtin='flat' rgb1='0 0 1' rgb2='0 0 1' width='16' height='96'/>"
+        "<material name='glass' rgba='1 1 1 .3'/><material name='green' rgba='0 1 0 1' specular='0'/>"
+        f"<material name='white' specular='0'/></asset><worldbody>{world}"
+        "<camera name='c' pos='0 0 1' fovy='30' xyaxes='1 0 0 0 .05 1'/></worldbody></mujoco>")
+    (expected, depth, _), (drawn, _, _) = both(model, data_of(model), "c")
+    hazed = (expected[..., 0] > 20) & (expected[..., 0] < 250)
+    if glass:
+        hazed[30:105, 5:65] = False  # where the ball is
+    assert hazed.sum() > 500
+    # MuJoCo's strips have corners. Where something is glass, the sky lights the plane, in its own colour.
+    apart = np.abs(expected.astype(int) - drawn)
+    assert (apart[hazed][:, 0] <= 10).mean() > 0.9
+    if not glass:
+        assert (apart.max(-1) <= 10).mean() > 0.98

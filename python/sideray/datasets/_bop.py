@@ -9,6 +9,7 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple, Type, Union
 
 import numpy as np
 
+from .._arrays import Array
 from .._camera import Camera, matrix
 from .._errors import InvalidArgument
 from .._picture import Picture
@@ -30,7 +31,7 @@ class BopObject:
 
     obj_id: int
     surfaces: Sequence[int]
-    world_from_model: np.ndarray
+    world_from_model: Array
 
     def __post_init__(self) -> None:
         placed = matrix(self.world_from_model, "world_from_model")
@@ -64,7 +65,7 @@ class BopWriter:
         self._models: Dict[str, Dict[str, float]] = {}
         self._sensor: Optional[Dict[str, float]] = None
 
-    def add(self, scene: Scene, camera: Camera, rgb: Union[Picture, np.ndarray], depth: np.ndarray, objects: Sequence[BopObject], *,
+    def add(self, scene: Scene, camera: Camera, rgb: Union[Picture, Array], depth: Array, objects: Sequence[BopObject], *,
             image_id: Optional[int] = None) -> int:
         """Adds a picture with its depth, masks and poses, and returns its id; image files are written at once.
 
@@ -91,7 +92,7 @@ class BopWriter:
                             "height": height, "width": width}
         return number
 
-    def add_model(self, obj_id: int, positions: np.ndarray, triangles: np.ndarray, normals: Optional[np.ndarray] = None) -> None:
+    def add_model(self, obj_id: int, positions: Array, triangles: Array, normals: Optional[Array] = None) -> None:
         """Writes models/obj_NNNNNN.ply, and remembers its size and diameter for models_info.json.
 
         positions: (n, 3) in the model's coordinates, world units; triangles: (m, 3); normals: (n, 3), those of the triangles around
@@ -121,7 +122,7 @@ class BopWriter:
     def _path(self, kind: str, name: str) -> str:
         return os.path.join(self._folder, kind, name + ".png")
 
-    def _camera_of(self, camera: Camera, k: np.ndarray) -> Dict[str, Any]:
+    def _camera_of(self, camera: Camera, k: Array) -> Dict[str, Any]:
         # BOP counts from the middle of the first pixel, as OpenCV does.
         from_middle = k - np.array([[0, 0, 0.5], [0, 0, 0.5], [0, 0, 0]])
         turn, place = self._in_camera(camera, np.eye(4))
@@ -132,12 +133,12 @@ class BopWriter:
         turn, place = self._in_camera(camera, one.world_from_model)
         return {"cam_R_m2c": turn.ravel().tolist(), "cam_t_m2c": place.tolist(), "obj_id": int(one.obj_id)}
 
-    def _in_camera(self, camera: Camera, world_from_model: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    def _in_camera(self, camera: Camera, world_from_model: Array) -> Tuple[Array, Array]:
         """Rotation and millimetres in OpenCV's camera."""
         in_camera = np.linalg.inv(camera.world_from_camera) @ world_from_model
         return _CV_FROM_CAMERA @ in_camera[:3, :3], _CV_FROM_CAMERA @ in_camera[:3, 3] * self._mm
 
-    def _masks(self, scene: Scene, camera: Camera, k: np.ndarray, size: Tuple[int, int], has_depth: np.ndarray,
+    def _masks(self, scene: Scene, camera: Camera, k: Array, size: Tuple[int, int], has_depth: Array,
                objects: Sequence[BopObject], number: int) -> List[Dict[str, Any]]:
         """Writes the masks of all objects, and returns what scene_gt_info.json says of them. Silhouettes reach beyond the picture: as
         the toolkit does, they are counted on a canvas of three times its width and height."""
@@ -165,7 +166,7 @@ class BopWriter:
         return infos
 
 
-def _box(mask: np.ndarray, left: int, above: int) -> List[int]:
+def _box(mask: Array, left: int, above: int) -> List[int]:
     """As the toolkit has it: width and height are from the first to the last pixel's number, one less than there are."""
     rows, columns = np.nonzero(mask.any(axis=1))[0], np.nonzero(mask.any(axis=0))[0]
     return [int(columns[0]) - left, int(rows[0]) - above, int(columns[-1] - columns[0]), int(rows[-1] - rows[0])]

@@ -10,6 +10,7 @@ from typing import Any, Mapping, Union
 
 import numpy as np
 
+from .._arrays import Array
 from .._errors import InvalidArgument
 from .._picture import Picture
 
@@ -40,7 +41,7 @@ def write_json(path: str, value: Mapping[str, Any]) -> None:
     write_whole(path, ("{\n" + lines + "\n}\n").encode())
 
 
-def png(pixels: np.ndarray) -> bytes:
+def png(pixels: Array) -> bytes:
     """(height, width) or (height, width, 3) of uint8, or (height, width) of uint16, as a PNG."""
     height, width = pixels.shape[:2]
     channels = 1 if pixels.ndim == 2 else pixels.shape[2]
@@ -58,11 +59,11 @@ def png(pixels: np.ndarray) -> bytes:
             chunk(b"IEND", b""))
 
 
-def write_png(path: str, pixels: np.ndarray) -> None:
+def write_png(path: str, pixels: Array) -> None:
     write_whole(path, png(np.ascontiguousarray(pixels)))
 
 
-def colors(rgb: Union[Picture, np.ndarray]) -> np.ndarray:
+def colors(rgb: Union[Picture, Array]) -> Array:
     """(height, width, 3) uint8 of a picture, as it is displayed, or of such an array."""
     shown = rgb.display() if isinstance(rgb, Picture) else np.asarray(rgb)
     if shown.dtype != np.uint8 or shown.ndim != 3 or shown.shape[2] != 3:
@@ -71,7 +72,7 @@ def colors(rgb: Union[Picture, np.ndarray]) -> np.ndarray:
     return shown
 
 
-def millimetres(depth: np.ndarray, mm_per_step: float, mm_per_unit: float) -> np.ndarray:
+def millimetres(depth: Array, mm_per_step: float, mm_per_unit: float) -> Array:
     """Depths in world units as 16-bit steps; 0 where there is none, or it does not fit."""
     steps = np.rint(np.nan_to_num(np.asarray(depth, np.float64), nan=0.0, posinf=0.0, neginf=0.0) * (mm_per_unit / mm_per_step))
     return np.where((steps >= 1) & (steps <= 65535), steps, 0).astype(np.uint16)

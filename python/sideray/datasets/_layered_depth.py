@@ -7,6 +7,7 @@ from typing import Any, Dict, List, Optional, Tuple, Union
 
 import numpy as np
 
+from .._arrays import Array
 from .._errors import InvalidArgument
 from .._layered import LayeredDepth
 from .._picture import Picture
@@ -28,7 +29,7 @@ class LayeredDepthWriter:
         self._folder = os.fspath(folder)
         self._mm = _files.positive(mm_per_unit, "mm_per_unit")
 
-    def add(self, key: str, rgb: Union[Picture, np.ndarray], layers: LayeredDepth, *, tuples: int = 0, seed: int = 0,
+    def add(self, key: str, rgb: Union[Picture, Array], layers: LayeredDepth, *, tuples: int = 0, seed: int = 0,
             gap: float = 0.01) -> None:
         """Writes one picture.
 
@@ -55,7 +56,7 @@ class LayeredDepthWriter:
         return os.path.join(self._folder, f"{key}.{name}")
 
 
-def _draw_tuples(rng: np.random.Generator, depth: np.ndarray, count: int, gap: float) -> Dict[str, List[Dict[str, Any]]]:
+def _draw_tuples(rng: np.random.Generator, depth: Array, count: int, gap: float) -> Dict[str, List[Dict[str, Any]]]:
     """Points are [x, y, layer], layers from 1 on. Odd ones alone: those are where glass is entered, and what is behind it."""
     # An opaque surface behind an even number of crossings is an odd layer as well.
     odd = depth[..., ::2]
@@ -72,7 +73,7 @@ def _draw_tuples(rng: np.random.Generator, depth: np.ndarray, count: int, gap: f
     return drawn
 
 
-def _tuple_of(chosen: np.ndarray, odd: np.ndarray, gap: float) -> Optional[Dict[str, Any]]:
+def _tuple_of(chosen: Array, odd: Array, gap: float) -> Optional[Dict[str, Any]]:
     values = odd[tuple(chosen.T)].astype(np.float64)
     order: Tuple[int, ...] = tuple(np.argsort(values, kind="stable").tolist())
     near = [values[i] for i in order]

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Dict, List, Tuple
+from typing import Dict, List, Set, Tuple
 
 import numpy as np
+
+from .._arrays import Array
 
 Point = Tuple[int, int]
 # Steps along the grid lines between pixels, each a right turn of the one before; y is downward.
 _TURNS = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 
-def compressed(runs: np.ndarray) -> str:
+def compressed(runs: Array) -> str:
     """COCO's text of run lengths: groups of five bits, the lowest first, each of which says whether more follow. From the fourth on,
     a length is told as the difference to the one two before it."""
     lengths = [int(length) for length in runs]
@@ -27,7 +29,7 @@ def compressed(runs: np.ndarray) -> str:
     return "".join(text)
 
 
-def polygons(mask: np.ndarray) -> List[List[int]]:
+def polygons(mask: Array) -> List[List[int]]:
     """Outlines of a (height, width) bool mask along the edges of its pixels, [x, y, x, y, ...] from the top left corner of the
     picture. A part that is connected by the sides of pixels has one outline. Its holes are in it too, joined by a cut that is gone
     along forth and back: whoever counts crossings (even-odd, as pycocotools does) finds every pixel of the mask and no other."""
@@ -41,7 +43,7 @@ def polygons(mask: np.ndarray) -> List[List[int]]:
     return [[coordinate for point in ring for coordinate in point] for ring in joined.values()]
 
 
-def _rings(mask: np.ndarray) -> List[List[Point]]:
+def _rings(mask: Array) -> List[List[Point]]:
     """Corners of closed outlines, with the mask on the right hand: parts clockwise as seen, holes the other way."""
     steps = _border_steps(mask)
     rings = []
@@ -66,11 +68,11 @@ def _rings(mask: np.ndarray) -> List[List[Point]]:
     return rings
 
 
-def _border_steps(mask: np.ndarray) -> Dict[Point, set]:
+def _border_steps(mask: Array) -> Dict[Point, Set[int]]:
     """From which corners which steps go along the mask, in the order of rows."""
     padded = np.pad(mask, 1)
     inner = padded[1:-1, 1:-1]
-    steps: Dict[Point, set] = {}
+    steps: Dict[Point, Set[int]] = {}
     # Of each pixel the side that a step follows, where the neighbour beyond it is outside; and the corner that it starts at.
     sides = ((padded[:-2, 1:-1], 0, (0, 0)), (padded[1:-1, 2:], 1, (1, 0)), (padded[2:, 1:-1], 2, (1, 1)),
              (padded[1:-1, :-2], 3, (0, 1)))

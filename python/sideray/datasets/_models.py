@@ -6,10 +6,11 @@ from typing import Dict, Optional
 
 import numpy as np
 
+from .._arrays import Array
 from .._errors import InvalidArgument
 
 
-def ply(points: np.ndarray, faces: np.ndarray, normals: Optional[np.ndarray]) -> bytes:
+def ply(points: Array, faces: Array, normals: Optional[Array]) -> bytes:
     """points: millimetres."""
     if points.ndim != 2 or points.shape[1] != 3 or not len(points) or not np.isfinite(points).all():
         raise InvalidArgument(f"positions: the array has the shape {points.shape}; give (n, 3) finite numbers")
@@ -25,14 +26,14 @@ def ply(points: np.ndarray, faces: np.ndarray, normals: Optional[np.ndarray]) ->
     return ("\n".join([*header, *vertices, *(f"3 {a} {b} {c}" for a, b, c in faces.tolist())]) + "\n").encode()
 
 
-def info(points: np.ndarray) -> Dict[str, float]:
+def info(points: Array) -> Dict[str, float]:
     """Box and diameter, millimetres."""
     low, size = points.min(0), np.ptp(points, axis=0)
     return {"diameter": diameter(points), **{f"min_{c}": float(v) for c, v in zip("xyz", low)},
             **{f"size_{c}": float(v) for c, v in zip("xyz", size)}}
 
 
-def diameter(points: np.ndarray) -> float:
+def diameter(points: Array) -> float:
     """The largest distance between two points."""
     reach = np.linalg.norm(points - points.mean(0), axis=1)
     a = points[reach.argmax()]
@@ -46,7 +47,7 @@ def diameter(points: np.ndarray) -> float:
     return longest
 
 
-def _vertex_normals(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
+def _vertex_normals(points: Array, faces: Array) -> Array:
     """Unit; of the triangles around each vertex, weighted by their areas; (0, 0, 1) where there are none."""
     corners = points[faces]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

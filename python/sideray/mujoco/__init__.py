@@ -6,20 +6,18 @@ is the manual.
 
 from __future__ import annotations
 
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union, cast
 
-try:
-    import mujoco
-except ImportError as _error:
-    raise ImportError("sideray.mujoco: the package mujoco is not installed; pip install mujoco") from _error
 import numpy as np
 
+from ._untyped import MjData, MjModel, MjvCamera, MjvOption, MjvScene, mujoco  # first: says that it is not installed
 from .. import _native
+from .._arrays import Array, Bytes, Ints
 from .._camera import Camera
 from .._picture import Picture
 from .._pictures import Pictures
 from .._renderer import Renderer as _Renderer
-from ._mirror import Look, Mirror, camera_of
+from ._mirror import Backdrop, Look, Mirror, camera_of
 
 __all__ = ["Renderer"]
 
@@ -38,7 +36,7 @@ class Renderer:
     have no dimension for it. Further keywords are options of sideray.Renderer.render: samples=4, translucency="raytraced", ...
     """
 
-    def __init__(self, model: mujoco.MjModel, height: int = 240, width: int = 320, max_geom: int = 10000,
+    def __init__(self, model: MjModel, height: int = 240, width: int = 320, max_geom: int = 10000,
                  font_scale: Any = None, *, glass: Union[Sequence[str], Mapping[str, Mapping[str, Any]]] = ("*glass*",),
                  linear: bool = False, gl: str = "none", device: str = "", threads: int = 0, batch: int = 0,
                  **options: Any) -> None:
@@ -49,7 +47,7 @@ class Renderer:
         if batch < 0:
             raise ValueError(f"batch: {batch}; give the number of states, or 0 for one without a dimension of its own")
         self._model, self._height, self._width, self._batch = model, height, width, batch
-        self._states: Sequence[mujoco.MjData] = ()
+        self._states: Sequence[MjData] = ()
         self._update: Any = None  # what update_scene() was called with
         self._look = Look(linear, patterns)
         self._options = options
@@ -58,16 +56,18 @@ class Renderer:
         self._renderer = _Renderer(gl, device, threads)
         self._drawn: Optional[Mirror] = None
         self._solid: Optional[Mirror] = None
+        self._round: Optional[Mirror] = None  # solid, with the shapes of what is drawn
         self._depth_rendering = self._segmentation_rendering = False
         self._pictures: Optional[Pictures] = None
+        self._seen: Optional[Tuple[Optional[Pictures], Pictures, Mirror]] = None  # of colour pictures, their first surfaces
 
     @property
-    def model(self) -> mujoco.MjModel:
+    def model(self) -> MjModel:
         """What the renderer was made for."""
         return self._model
 
     @property
-    def scene(self) -> mujoco.MjvScene:
+    def scene(self) -> MjvScene:
         """What is drawn: update_scene fills it, and a script may add geoms and change flags before render."""
         return self._scene
 
@@ -92,7 +92,7 @@ class Renderer:
         return self._pictures
 
     @property
-    def objects(self) -> np.ndarray:
+    def objects(self) -> Ints:
         """(n, 2) int32: objid and objtype of each surface id of `picture`, (-1, -1) for 0, which is the background."""
         return self._drawn.objects if self._drawn is not None else np.full((1, 2), -1, np.int32)
 
@@ -112,9 +112,9 @@ class Renderer:
         """render() returns colour from now on."""
         self._segmentation_rendering = False
 
-    def update_scene(self, data: Union[mujoco.MjData, Sequence[mujoco.MjData]],
-                     camera: Union[int, str, mujoco.MjvCamera, Sequence[Any]] = -1,
-                     scene_option: Optional[mujoco.MjvOption] = None) -> None:
+    def update_scene(self, data: Union[MjData, Sequence[MjData]],
+                     camera: Union[int, str, MjvCamera, Sequence[Union[int, str, MjvCamera]]] = -1,
+                     scene_option: Optional[MjvOption] = None) -> None:
         """Updates what is drawn. camera: a number, a name, an MjvCamera, or -1, the free camera.
 
         With `batch`: data is a sequence of so many states, camera is one for all of them or a sequence, and `scene` is that of the
@@ -124,7 +124,7 @@ class Renderer:
         if self._batch and len(states) != self._batch:
             raise ValueError(f"update_scene: {len(states)} states for a batch of {self._batch}; give one for each picture")
         is_many = self._batch and not isinstance(camera, (int, str, mujoco.MjvCamera))
-        cameras = list(camera) if is_many else [camera] * len(states)
+        cameras: List[Any] = list(cast(Sequence[Any], camera)) if is_many else [camera] * len(states)
         if len(cameras) != len(states):
             raise ValueError(f"update_scene: {len(cameras)} cameras for a batch of {self._batch}; give one, or one for each picture")
         chosen = [one if isinstance(one, mujoco.MjvCamera) else self._camera_of(one) for one in cameras]
@@ -137,7 +137,7 @@ class Renderer:
         mujoco.mjv_updateScene(self._model, self._states[number], option, None, cameras[number], mujoco.mjtCatBit.mjCAT_ALL.value,
                                self._scene)
 
-    def render(self, *, out: Optional[np.ndarray] = None) -> np.ndarray:
+    def render(self, *, out: Optional[Array] = None) -> Array:
         """Draws the scene.
 
         Returns colour, (height, width, 3) uint8; depth, (height, width) float32, world units along the view axis, the far
@@ -162,10 +162,10 @@ class Renderer:
         out[:] = drawn
         return out
 
-    def render_channels(self, channels: Sequence[str] = ("rgb", "depth", "segmentation")) -> Dict[str, np.ndarray]:
+    def render_channels(self, channels: Sequence[str] = ("rgb", "depth", "segmentation")) -> Dict[str, Array]:
         """Draws one picture and returns several channels of it, each as render() returns it, by name.
 
-        It takes hardly longer than colour alone. Depth and segmentation are of colour's shapes, which are rounder than those that
+        It takes little longer than colour alone. Depth and segmentation are of colour's shapes, which are rounder than those that
         render() draws for them alone, and have objects of a script's own and markers, too.
         """
         if self._renderer is None:
@@ -175,14 +175,32 @@ class Renderer:
                 raise ValueError(f"channels: {name!r} is none; give some of 'rgb', 'depth' and 'segmentation'")
         if not self._has_camera():
             return {name: self._nothing(name) for name in channels}
-        drawn: Dict[str, np.ndarray] = {"rgb": self._color(with_first=True)}
-        assert self._drawn is not None and self._pictures is not None
-        depth, surface = ("first.Z", "first.surface") if "first.Z" in self._pictures.channels else ("Z", "id.surface")
-        if "depth" in channels:
-            drawn["depth"] = np.minimum(self._of(self._pictures, depth), np.float32(self._scene.camera[0].frustum_far))
-        if "segmentation" in channels:
-            drawn["segmentation"] = self._drawn.objects[self._of(self._pictures, surface)]
+        drawn: Dict[str, Array] = {"rgb": self._color()} if "rgb" in channels else {}
+        others = [name for name in channels if name != "rgb"]
+        if others:
+            pictures, mirror = self._surfaces(bool(drawn))
+            drawn.update({name: self._shown_surfaces(name, pictures, mirror) for name in others})
         return {name: drawn[name] for name in channels}
+
+    def _surfaces(self, has_color: bool) -> Tuple[Pictures, Mirror]:
+        """Pictures of the first surfaces of what colour shows: those of colour, where all of it is opaque and seen through the
+        middle of each pixel."""
+        if has_color and self._drawn and self._pictures and not self._drawn.shows_through and self._options.get("samples", 1) == 1:
+            return self._pictures, self._drawn
+        if has_color and self._seen and self._seen[0] is self._pictures:
+            return self._seen[1:]
+        if self._round is None:
+            self._round = Mirror(self._model, self._look, is_solid=True, is_round=True)
+        self._round.update(self._scene)
+        self._seen = self._pictures, self._render(self._round, {"color": False})[0], self._round
+        return self._seen[1:]
+
+    def _shown_surfaces(self, channel: str, pictures: Pictures, mirror: Mirror) -> Array:
+        if channel == "segmentation":
+            objects: Array = mirror.objects[self._of(pictures, "id.surface")]
+            return objects
+        depth: Array = np.minimum(self._of(pictures, "Z"), np.float32(self._scene.camera[0].frustum_far))
+        return depth
 
     @property
     def _channel(self) -> str:
@@ -192,7 +210,7 @@ class Renderer:
     def _shape(self) -> Tuple[int, ...]:
         return (self._batch, self._height, self._width) if self._batch else (self._height, self._width)
 
-    def _of(self, pictures: Pictures, name: str) -> np.ndarray:
+    def _of(self, pictures: Pictures, name: str) -> Array:
         """A channel in the shape that this renderer returns."""
         return pictures[name] if self._batch else pictures[0][name]
 
@@ -201,7 +219,7 @@ class Renderer:
         eye = self._scene.camera[0]
         return eye.frustum_top != eye.frustum_bottom and bool(np.any(eye.forward) and np.any(eye.up))
 
-    def _nothing(self, channel: str) -> np.ndarray:
+    def _nothing(self, channel: str) -> Array:
         """What MuJoCo draws then: black, the far plane, no object."""
         if channel == "segmentation":
             return np.full((*self._shape, 2), -1, np.int32)
@@ -222,7 +240,7 @@ class Renderer:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _camera_of(self, camera: Union[int, str]) -> mujoco.MjvCamera:
+    def _camera_of(self, camera: Union[int, str]) -> MjvCamera:
         number = camera
         if isinstance(number, str):
             number = mujoco.mj_name2id(self._model, mujoco.mjtObj.mjOBJ_CAMERA.value, number)
@@ -239,7 +257,7 @@ class Renderer:
             chosen.type = mujoco.mjtCamera.mjCAMERA_FIXED
         return chosen
 
-    def _cameras(self) -> Tuple[List[Camera], np.ndarray, np.ndarray]:
+    def _cameras(self) -> Tuple[List[Camera], Array, Array]:
         """Of each state; where they are and where they look as the scene has it, (states, 3) each."""
         size = (self._width, self._height)
         cameras, eyes, forwards = [], [], []
@@ -271,15 +289,11 @@ class Renderer:
         self._show(0)
         return Pictures(pictures), cameras
 
-    def _color(self, with_first: bool = False) -> np.ndarray:
-        """with_first: the first surface of each pixel is a channel, where `Z` and `id` are not of it already."""
+    def _color(self) -> Array:
         if self._drawn is None:
-            self._drawn = Mirror(self._model, self._look, False)
+            self._drawn = Mirror(self._model, self._look, is_solid=False, is_round=True)
         self._drawn.update(self._scene)
         options = dict(self._options)
-        if with_first and (self._drawn.shows_through or options.get("samples", 1) != 1):
-            given = options.get("aov", ())
-            options["aov"] = [*(given.split(",") if isinstance(given, str) else given), "first"]
         flags = self._scene.flags
         if not flags[_FLAG.mjRND_SHADOW] or not any(l.castshadow for l in self._scene.lights[:self._scene.nlight]):
             options.setdefault("shadows", "off")
@@ -289,21 +303,32 @@ class Renderer:
         options.setdefault("tonemap", "pbr-neutral" if self._look.linear else "none")
         self._pictures, cameras = self._render(self._drawn, options)
         backdrop = self._drawn.backdrop(bool(flags[_FLAG.mjRND_SKYBOX]))
-        shown = [self._shown(picture, camera, backdrop, options) for picture, camera in zip(self._pictures, cameras)]
+        hazes = self._hazes(cameras)
+        shown = [self._shown(*of_one, backdrop, options) for of_one in zip(self._pictures, cameras, hazes)]
         return np.stack(shown) if self._batch else shown[0]
 
-    def _shown(self, picture: Picture, camera: Camera, backdrop: Any, options: Mapping[str, Any]) -> np.ndarray:
-        rgb = _native.with_backdrop([picture[name] for name in "RGBA"], *backdrop, *camera._directions(picture.size),
-                                    picture.stats["threads"])
+    def _hazes(self, cameras: Sequence[Camera]) -> List[Optional[Dict[str, Any]]]:
+        """What each picture shows of the haze around an endless plane: in pixels in which nothing else is seen."""
+        assert self._drawn is not None
+        flags, size = self._scene.flags, (self._width, self._height)
+        has_haze = flags[_FLAG.mjRND_HAZE] and flags[_FLAG.mjRND_SKYBOX] and self._drawn.sky is not None
+        if not has_haze or not any(self._drawn.haze(self._scene, camera, size) for camera in cameras):
+            return [None] * len(cameras)
+        pictures, mirror = self._surfaces(has_color=True)
+        hazes = [mirror.haze(self._scene, camera, size) for camera in cameras]
+        return [None if haze is None else {**haze, "surfaces": picture.ids} for haze, picture in zip(hazes, pictures)]
+
+    def _shown(self, picture: Picture, camera: Camera, haze: Optional[Dict[str, Any]], backdrop: Backdrop,
+               options: Mapping[str, Any]) -> Array:
+        corner, across, down = camera._directions(picture.size)
+        rgb = _native.with_backdrop([picture[name] for name in "RGBA"], *backdrop, corner, across, down,
+                                    picture.stats["threads"], haze)
         if self._look.linear:
             return _native.display(np.maximum(rgb, 0), options.get("exposure", 0.0), options["tonemap"])
         return _native.as_bytes(rgb)
 
-    def _depth_or_segmentation(self, channel: str) -> np.ndarray:
+    def _depth_or_segmentation(self, channel: str) -> Array:
         if self._solid is None:
-            self._solid = Mirror(self._model, self._look, True)
+            self._solid = Mirror(self._model, self._look, is_solid=True, is_round=False)
         self._solid.update(self._scene)
-        pictures, _ = self._render(self._solid, {"color": False})
-        if channel == "segmentation":
-            return self._solid.objects[self._of(pictures, "id.surface")]
-        return np.minimum(self._of(pictures, "Z"), np.float32(self._scene.camera[0].frustum_far))
+        return self._shown_surfaces(channel, self._render(self._solid, {"color": False})[0], self._solid)

@@ -6,12 +6,13 @@ import dataclasses
 import fnmatch
 from typing import Any, Callable, Dict, Hashable, List, Mapping, Optional, Sequence, Tuple
 
-import mujoco
 import numpy as np
 
+from .._arrays import Array
 from .._camera import Camera
 from .._scene import VISIBLE_ALL, Scene, _mesh_arrays
 from . import _shapes, _textures
+from ._untyped import mujoco
 from ._shapes import Shape
 
 _G = mujoco.mjtGeom
@@ -22,8 +23,14 @@ _MESHES = {int(_G.mjGEOM_MESH), int(getattr(_G, "mjGEOM_SDF", _G.mjGEOM_MESH))}
 _FLEX, _SKIN = int(getattr(_G, "mjGEOM_FLEX", -1)), int(_G.mjGEOM_SKIN)
 # What a state places by itself.
 _PLACED = (int(mujoco.mjtObj.mjOBJ_GEOM), int(mujoco.mjtObj.mjOBJ_SITE))
+# As _native.with_backdrop() takes what is put behind a picture.
+Backdrop = Tuple[Array, Optional[Array], float, bool]
+# What a geom is (type, dataid, objtype, objid), and which of those that are the same.
+_Key = Tuple[Tuple[int, int, int, int], int]
 # Meshes and materials that no geom uses any more are kept, up to so many.
 _KEPT = 256
+# Where the sky is, in distances of the far plane: planes without an end are not seen beyond it.
+_SKY = 0.7
 # The alpha of planes that are seen from behind, as MuJoCo has it.
 _SEEN_FROM_BELOW = 0.5
 
@@ -36,12 +43,22 @@ def _is_behind(geom: Any, source: Any) -> bool:
     return bool((np.asarray(source.camera[0].pos) - geom.pos) @ normal < 0)
 
 
-def _places(states: Sequence[Any], what: int, numbers: Sequence[int]) -> Tuple[np.ndarray, np.ndarray]:
+def _places(states: Sequence[Any], what: int, numbers: Sequence[int]) -> Tuple[Array, Array]:
     """Where geoms or sites are in each state: positions (states, numbers, 3) and rotations (states, numbers, 3, 3)."""
     positions, turns = (("geom_xpos", "geom_xmat") if what == _PLACED[0] else ("site_xpos", "site_xmat"))
     # Scenes of MuJoCo have them in single precision.
     return (np.stack([getattr(state, positions)[numbers] for state in states]).astype(np.float32),
             np.stack([getattr(state, turns)[numbers] for state in states]).astype(np.float32).reshape(len(states), -1, 3, 3))
+
+
+def _sees_haze(camera: Camera, size: Tuple[int, int], up: Array, edge: float, share: float) -> bool:
+    """Whether some of a picture looks between the horizon and where the haze begins. edge: how steeply one looks at its middle."""
+    corner, across, down = camera._directions(size)
+    x, y = np.meshgrid(np.linspace(0, size[0], 17), np.linspace(0, size[1], 17))
+    looks = corner + x[..., None] * across + y[..., None] * down
+    falls = -(looks @ up)
+    along = np.linalg.norm(looks + falls[..., None] * up, axis=-1)
+    return bool(((falls > 0) & (1.05 * along * edge > (1.0 - share) * falls)).any())
 
 
 @dataclasses.dataclass
@@ -55,7 +72,7 @@ class Look:
     linear: bool
     glass: Mapping[str, Mapping[str, Any]]
 
-    def color(self, rgb: Any) -> np.ndarray:
+    def color(self, rgb: Any) -> Array:
         values = np.asarray(rgb, np.float64)
         if not self.linear:
             return values
@@ -101,16 +118,17 @@ def camera_of(source: Any, size: Tuple[int, int]) -> Camera:
 
 
 class Mirror:
-    """Draws what mjv_updateScene wrote. is_solid: everything is opaque and without light, for depth and segmentation."""
+    """Draws what mjv_updateScene wrote. is_solid: everything is opaque and without light, for depth and segmentation. is_round: with
+    the shapes of colour, and all that colour shows; otherwise with MuJoCo's shapes, and what its segmentation has."""
 
-    def __init__(self, model: Any, look: Look, is_solid: bool) -> None:
-        self.model, self.look, self.is_solid = model, look, is_solid
+    def __init__(self, model: Any, look: Look, is_solid: bool, is_round: bool) -> None:
+        self.model, self.look, self.is_solid, self.is_round = model, look, is_solid, is_round
         self.scene = Scene(env=None, default_light=False)
         #: Of each surface id: (objid, objtype); row 0 is what is behind everything.
         self.objects = np.full((1, 2), -1, np.int32)
-        self.sky: Optional[np.ndarray] = self._made_sky()
+        self.sky: Optional[Array] = self._made_sky()
         self.ambient = np.zeros(3)
-        self._shown: Dict[Hashable, _Shown] = {}
+        self._shown: Dict[_Key, _Shown] = {}
         self._free: List[int] = []
         self._geometry: Dict[Hashable, int] = {}
         self._materials: Dict[Hashable, int] = {}
@@ -120,15 +138,15 @@ class Mirror:
         self._has_environment = self._has_glass = False
         self._transforms = np.empty((0, 12))
         self._lights: List[Dict[str, Any]] = []
-        self._wanted_before: Dict[Hashable, Any] = {}
+        self._wanted_before: Dict[_Key, Any] = {}
         # Of planes without an end: sides, repeats of the texture, rotation and position.
-        self._scales: Dict[Hashable, np.ndarray] = {}
-        self._endless: Dict[Hashable, Tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = {}
+        self._scales: Dict[_Key, Array] = {}
+        self._endless: Dict[_Key, Tuple[Array, Array, Array, Array]] = {}
         #: Whether something that is drawn is not opaque.
         self.shows_through = False
         quality = model.vis.quality
         self._slices, self._stacks = max(int(quality.numslices), 3), max(int(quality.numstacks), 2)
-        if not is_solid:  # what is refracted shows every edge; outlines are those of segmentation or rounder
+        if is_round:  # what is refracted shows every edge
             self._slices, self._stacks = max(self._slices, 48), max(self._stacks, 32)
 
     def update(self, source: Any) -> None:
@@ -154,7 +172,7 @@ class Mirror:
 
     # ---- other states of the same model ----
 
-    def moves_alone(self, states: Sequence[Any], eyes: np.ndarray) -> bool:
+    def moves_alone(self, states: Sequence[Any], eyes: Array) -> bool:
         """Whether other states of the model differ from the one that is drawn in where geoms, sites and lights are, and in nothing
         else."""
         if any(what not in _PLACED or index != 1 for (_, _, what, _), index in self._wanted_before):
@@ -167,7 +185,7 @@ class Mirror:
                     return False
         return True
 
-    def poses(self, states: Sequence[Any], eyes: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    def poses(self, states: Sequence[Any], eyes: Array) -> Tuple[Array, Array]:
         """The instances that move from state to state, and (states, instances, 12): where they are. eyes: of the cameras."""
         keys = list(self._wanted_before)
         placed = np.array([w[2] for w in self._wanted_before.values()]).reshape(-1, 4, 3)
@@ -191,7 +209,7 @@ class Mirror:
         self._transforms = np.empty((0, 12))  # the scene is left in the last state
         return names, np.ascontiguousarray(result[:, moving]).reshape(len(states), len(moving), 12)
 
-    def lights(self, source: Any, states: Sequence[Any], forwards: np.ndarray) -> Optional[List[List[Dict[str, Any]]]]:
+    def lights(self, source: Any, states: Sequence[Any], forwards: Array) -> Optional[List[List[Dict[str, Any]]]]:
         """The lights of each state, whose camera looks along `forwards`; None where it is not known which they are."""
         shown = source.lights[:source.nlight]
         numbers = iter(np.nonzero(self.model.light_active)[0] if self.model.nlight else ())
@@ -204,19 +222,24 @@ class Mirror:
                                       np.allclose(light.dir, first.light_xdir[number], atol=1e-4)):
                 return None
         self._lights = [{"of": "the last state"}]
-        return [[self._light(light, *((light.pos, light.dir) if number is None else
-                                      (np.float32(state.light_xpos[number]), np.float32(state.light_xdir[number]))), forward)
-                 for light, number in zip(shown, of_model) if np.any(light.dir)] for state, forward in zip(states, forwards)]
+
+        def placed(light: Any, number: Optional[int], state: Any) -> Tuple[Any, Any]:
+            if number is None:
+                return light.pos, light.dir
+            return np.float32(state.light_xpos[number]), np.float32(state.light_xdir[number])
+
+        return [[self._light(light, placed(light, number, state), forward) for light, number in zip(shown, of_model)
+                 if np.any(light.dir)] for state, forward in zip(states, forwards)]
 
     # ---- geoms ----
 
-    def _wanted(self, source: Any) -> Dict[Hashable, Tuple[Hashable, Hashable, np.ndarray, Tuple[int, int]]]:
+    def _wanted(self, source: Any) -> Dict[_Key, Tuple[Hashable, Hashable, Array, Tuple[int, int]]]:
         """Of each geom that is seen: its mesh, its material, its transform, and what it is."""
-        wanted: Dict[Hashable, Tuple[Hashable, Hashable, np.ndarray, Tuple[int, int]]] = {}
-        counts: Dict[Hashable, int] = {}
+        wanted: Dict[_Key, Tuple[Hashable, Hashable, Array, Tuple[int, int]]] = {}
+        counts: Dict[Tuple[int, int, int, int], int] = {}
         self._endless, self._scales = {}, {}
         for geom in source.geoms[:source.ngeom]:
-            if geom.rgba[3] == 0 or (self.is_solid and geom.segid < 0):
+            if geom.rgba[3] == 0 or (not self.is_round and geom.segid < 0):
                 continue
             if geom.type not in (_FLEX, _SKIN) and not np.any(geom.mat):  # it has no place before mj_forward()
                 continue
@@ -234,7 +257,7 @@ class Mirror:
             wanted[(what, counts[what])] = mesh, material, placed, (geom.objid, geom.objtype)
         return wanted
 
-    def _placed(self, geom: Any, source: Any) -> Tuple[np.ndarray, np.ndarray]:
+    def _placed(self, geom: Any, source: Any) -> Tuple[Array, Array]:
         """World from object as twelve numbers, column by column; and the scale along the object's axes that is in it."""
         if geom.type in (_FLEX, _SKIN):  # their vertices are in the world already
             return np.eye(4)[:3].T.ravel(), np.ones(3)
@@ -251,8 +274,8 @@ class Mirror:
         scale = np.where(np.abs(scale) < 1e-9, 1e-9, scale)
         return np.concatenate([(turn * scale).T.ravel(), position]), scale
 
-    def _plane(self, sides: Any, texrepeat: Any, eye: Any, turn: np.ndarray,
-               position: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    def _plane(self, sides: Any, texrepeat: Any, eye: Any, turn: Array,
+               position: Array) -> Tuple[Array, Array]:
         """An infinite side reaches as far as is seen, around where the camera is, in whole repeats of its texture."""
         size = np.asarray(sides, np.float64)
         reach = self._reach()
@@ -456,7 +479,7 @@ class Mirror:
             self._has_environment, self._has_glass = self._has_environment and self._has_glass, True
         return fields
 
-    def _of_glass(self, geom: Any, color: np.ndarray) -> Dict[str, Any]:
+    def _of_glass(self, geom: Any, color: Array) -> Dict[str, Any]:
         """A solid that light of its colour passes through, over a length of its own size."""
         length = float(geom.modelrbound) if geom.modelrbound > 0 else float(np.max(geom.size))
         reach = 2.0 * length
@@ -466,7 +489,7 @@ class Mirror:
                 "thickness": max(length, 1e-6), "roughness": 0.0, "metallic": 0.0, "specular": 1.0,
                 "attenuation_color": tuple(np.clip(color, 0.01, 1.0)), "attenuation_distance": max(reach, 1e-6)}
 
-    def _positions_of_mesh(self, geom: Any) -> np.ndarray:
+    def _positions_of_mesh(self, geom: Any) -> Array:
         shape = self._shape(geom)
         return shape[0] if shape is not None and shape[1] is None else np.zeros((0, 3))
 
@@ -501,22 +524,39 @@ class Mirror:
             self._occlusion = self.scene.add_texture(self._occluded(), srgb=False)
         return self._occlusion
 
-    def _occluded(self) -> np.ndarray:
+    def _occluded(self) -> Array:
         share = self._ambient_share() if self._has_glass else 1.0
         return np.full((1, 1, 3), int(share * 255 + 0.5), np.uint8)
 
-    def backdrop(self, shows_sky: bool) -> Tuple[np.ndarray, Optional[np.ndarray], float, bool]:
+    def backdrop(self, shows_sky: bool) -> Backdrop:
         """What is put behind the picture, as with_backdrop() takes it: a colour, the faces of a sky, how often it is added, and
         whether its texels are sRGB. What lights the scene from everywhere is not what is seen behind it."""
         if self.is_in_sky:
-            return np.zeros(3), None if shows_sky else self._sky_faces, 0.0 if shows_sky else -1.0, self.look.linear
+            return np.zeros(3), self._sky_faces, 0.0 if shows_sky else -1.0, self.look.linear
         if self.sky is None or not shows_sky:
             return -self.ambient, None, 0.0, False
         return -self.ambient, self._sky_faces, 1.0, self.look.linear
 
+    def haze(self, source: Any, camera: Camera, size: Tuple[int, int]) -> Optional[Dict[str, Any]]:
+        """What with_backdrop() takes of the haze around a plane without an end, but for `surfaces`; None where none is seen in a
+        picture of this size."""
+        planes = {key: place for key, place in self._endless.items() if np.all(place[0][:2] <= 0)}
+        share = float(np.clip(self.model.vis.map.haze, 0.0, 1.0))
+        if not planes or share <= 0.0 or camera.half_height is not None:
+            return None
+        _, _, turn, position = next(iter(planes.values()))
+        height = float((camera.world_from_camera[:3, 3] - position) @ turn[:, 2])
+        end = _SKY * float(source.camera[0].frustum_far)
+        if height <= 0.0 or not _sees_haze(camera, size, turn[:, 2], height / end, share):
+            return None
+        is_endless = np.zeros(len(self.objects), np.uint8)
+        is_endless[[0, *(self._shown[key].surface_id for key in planes)]] = 1
+        return {"is_endless": is_endless, "color": np.asarray(self.look.color(self.model.vis.rgba.haze[:3])), "up": turn[:, 2],
+                "height": height, "end": end, "share": share}
+
     # ---- instances ----
 
-    def _descriptions(self, wanted: Mapping[Hashable, Any]) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _descriptions(self, wanted: Mapping[_Key, Any]) -> Tuple[Array, Array, Array]:
         meshes = np.array([self._geometry[w[0]] for w in wanted.values()], np.uint32)
         materials = np.array([self._number_of_material(w[1]) for w in wanted.values()], np.uint32)
         return meshes, materials, np.array([w[2] for w in wanted.values()])
@@ -526,7 +566,7 @@ class Mirror:
             self._materials[key] = self.scene.add_material(unlit=True, double_sided=key[1])
         return self._materials[key]
 
-    def _add(self, wanted: Mapping[Hashable, Any]) -> None:
+    def _add(self, wanted: Mapping[_Key, Any]) -> None:
         if not wanted:
             return
         meshes, materials, transforms = self._descriptions(wanted)
@@ -538,7 +578,7 @@ class Mirror:
             self._shown[key] = _Shown(int(name), mesh, material, number)
         self._transforms = np.empty((0, 12))
 
-    def _replace(self, wanted: Mapping[Hashable, Any]) -> None:
+    def _replace(self, wanted: Mapping[_Key, Any]) -> None:
         if not wanted:
             return
         meshes, materials, transforms = self._descriptions(wanted)
@@ -549,7 +589,7 @@ class Mirror:
         for s, (mesh, material, _, _) in zip(shown, wanted.values()):
             s.mesh, s.material = mesh, material
 
-    def _move(self, wanted: Mapping[Hashable, Any]) -> None:
+    def _move(self, wanted: Mapping[_Key, Any]) -> None:
         if not wanted:
             self._transforms = np.empty((0, 12))
             return
@@ -560,7 +600,7 @@ class Mirror:
         self.scene._edited().move_instances(names, transforms)
         self._transforms = transforms
 
-    def _number(self, wanted: Mapping[Hashable, Any]) -> None:
+    def _number(self, wanted: Mapping[_Key, Any]) -> None:
         largest = max((s.surface_id for s in self._shown.values()), default=0)
         self.objects = np.full((largest + 1, 2), -1, np.int32)
         for key, (_, _, _, what) in wanted.items():
@@ -576,7 +616,7 @@ class Mirror:
 
     # ---- light ----
 
-    def _made_sky(self) -> Optional[np.ndarray]:
+    def _made_sky(self) -> Optional[Array]:
         skies = np.nonzero(self.model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX)[0]
         if not len(skies) or self.is_solid:
             return None
@@ -589,14 +629,14 @@ class Mirror:
         for light in source.lights[:source.nlight]:
             ambient += self.look.color(light.ambient)
             if np.any(light.dir):  # it has none before mj_forward()
-                lights.append(self._light(light, light.pos, light.dir, source.camera[0].forward))
+                lights.append(self._light(light, (light.pos, light.dir), source.camera[0].forward))
         if str(lights) != str(self._lights):
             self.scene.lights = lights
             self._lights = lights
         if not np.array_equal(ambient, self.ambient) or not self._has_environment:
             self._set_ambient(ambient)
 
-    def _set_ambient(self, ambient: np.ndarray) -> None:
+    def _set_ambient(self, ambient: Array) -> None:
         self.ambient = ambient
         if self.is_in_sky:
             self.scene.set_environment(self.sky)
@@ -606,13 +646,13 @@ class Mirror:
             self.scene.replace_texture(self._occlusion, self._occluded(), srgb=False)
         self._has_environment = True
 
-    def _light(self, light: Any, pos: Any, dir: Any, forward: Any) -> Dict[str, Any]:
-        """forward: of the camera, which the headlight shines along."""
+    def _light(self, light: Any, placed: Tuple[Any, Any], forward: Any) -> Dict[str, Any]:
+        """placed: its position and direction. forward: of the camera, which the headlight shines along."""
         diffuse = np.pi * self.look.color(light.diffuse)
         if light.headlight:  # from where the camera is, whatever the scene says
             return {"type": "directional", "name": "headlight", "direction": tuple(map(float, forward)),
                     "intensity": tuple(diffuse)}
-        position, direction = np.asarray(pos, np.float64), np.asarray(dir, np.float64)
+        position, direction = (np.asarray(part, np.float64) for part in placed)
         kind = self._kind(light)
         if kind == "directional":
             return {"type": kind, "direction": tuple(direction), "intensity": tuple(diffuse)}

@@ -10,24 +10,27 @@ from typing import Any, List, Optional, Tuple
 
 import numpy as np
 
-Shape = Tuple[np.ndarray, Optional[np.ndarray], Optional[np.ndarray], Optional[np.ndarray]]
+from .._arrays import Array
+
+Shape = Tuple[Array, Optional[Array], Optional[Array], Optional[Array]]
 
 
-def _grid(columns: int, rows: int) -> np.ndarray:
+def _grid(columns: int, rows: int) -> Array:
     """Triangles of a grid of (columns + 1) x (rows + 1) vertices, row by row, counter-clockwise where rows go up."""
     corner = (np.arange(rows)[:, None] * (columns + 1) + np.arange(columns)).ravel()
     right, up = corner + 1, corner + columns + 1
-    return np.stack([np.stack([corner, right, up + 1], -1), np.stack([corner, up + 1, up], -1)], 1).reshape(-1, 3)
+    halves: Array = np.stack([np.stack([corner, right, up + 1], -1), np.stack([corner, up + 1, up], -1)], 1)
+    return halves.reshape(-1, 3)
 
 
-def _ring(slices: int) -> np.ndarray:
+def _ring(slices: int) -> Array:
     angles = np.linspace(0.0, 2.0 * np.pi, slices + 1)
-    ring = np.stack([np.cos(angles), np.sin(angles)], -1)
+    ring: Array = np.stack([np.cos(angles), np.sin(angles)], -1)
     ring[-1] = ring[0]
     return ring
 
 
-def _turned(profile: np.ndarray, slopes: np.ndarray, slices: int, v: Optional[np.ndarray] = None) -> Shape:
+def _turned(profile: Array, slopes: Array, slices: int, v: Optional[Array] = None) -> Shape:
     """A surface of revolution about z. profile: (n, 2) radius and height, upward; slopes: (n, 2) of its normals; v: (n,)
     texture coordinates; u goes around once."""
     ring = _ring(slices)
@@ -62,9 +65,9 @@ def _disc(z: float, slices: int) -> Shape:
             0.5 + 0.5 * points[:, :2])
 
 
-def _arc(first: float, last: float, steps: int) -> np.ndarray:
+def _arc(first: float, last: float, steps: int) -> Array:
     angles = np.linspace(first, last, steps + 1)
-    arc = np.stack([np.cos(angles), np.sin(angles)], -1)
+    arc: Array = np.stack([np.cos(angles), np.sin(angles)], -1)
     arc[np.abs(np.abs(angles) - np.pi / 2) < 1e-9, 0] = 0.0
     return arc
 
@@ -160,7 +163,7 @@ def mesh(model: Any, number: int, with_uv: bool) -> Shape:
     return corners, None, normals, uv
 
 
-def reach_inside(corners: np.ndarray) -> float:
+def reach_inside(corners: Array) -> float:
     """How far light goes in a closed mesh, whose triangles have three corners each, (3 n, 3): one and a half times its mean chord,
     4 volume / surface (Cauchy), so that it is the diameter of a ball, and three times the thickness of a wall."""
     a, b, c = corners[0::3], corners[1::3], corners[2::3]
@@ -201,7 +204,7 @@ def height_field(model: Any, number: int) -> Shape:
     return _joined(top_part, *((*side[:3], 0.5 + 0.5 * side[0][:, :2] / [width, -depth]) for side in sides), flat)
 
 
-def _skirt(edge: np.ndarray, bottom: float) -> Shape:
+def _skirt(edge: Array, bottom: float) -> Shape:
     """A wall below an edge, which is followed counter-clockwise as seen from above."""
     low = edge.copy()
     low[:, 2] = bottom

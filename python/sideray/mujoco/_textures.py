@@ -6,6 +6,7 @@ from typing import Any, Tuple
 
 import numpy as np
 
+from .._arrays import Array
 from ._shapes import Shape
 
 # Of each face of OpenGL's cubes (+X, -X, +Y, -Y, +Z, -Z): its axis, its sign, and the axes with signs that s and t follow.
@@ -13,7 +14,7 @@ _FACES = (((0, 1), (2, -1), (1, -1)), ((0, -1), (2, 1), (1, -1)), ((1, 1), (0, 1
           ((1, -1), (0, 1), (2, -1)), ((2, 1), (0, 1), (1, -1)), ((2, -1), (0, -1), (1, -1)))
 
 
-def image(model: Any, number: int) -> np.ndarray:
+def image(model: Any, number: int) -> Array:
     """(height, width, channels) uint8: the texels as they lie in memory."""
     height, width = int(model.tex_height[number]), int(model.tex_width[number])
     channels = int(model.tex_nchannel[number]) if hasattr(model, "tex_nchannel") else 3
@@ -22,7 +23,7 @@ def image(model: Any, number: int) -> np.ndarray:
     return np.asarray(data[begin:begin + height * width * channels]).reshape(height, width, channels)
 
 
-def cube(model: Any, number: int) -> np.ndarray:
+def cube(model: Any, number: int) -> Array:
     """(6, side, side, channels): the faces of a cube or a sky; one that is given is on all sides."""
     texels = image(model, number)
     side = texels.shape[1]
@@ -30,7 +31,7 @@ def cube(model: Any, number: int) -> np.ndarray:
     return texels[:6 * side].reshape(6, side, side, -1) if count >= 6 else np.repeat(texels[None, :side], 6, axis=0)
 
 
-def faces_of(directions: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+def faces_of(directions: Array) -> Tuple[Array, Array]:
     """Which face directions (n, 3) lead to, and where on it, (n, 2) of 0..1."""
     axis = np.abs(directions).argmax(-1)
     sign = np.take_along_axis(directions, axis[:, None], -1)[:, 0] < 0
@@ -38,7 +39,7 @@ def faces_of(directions: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     return face, on_face(directions, face)
 
 
-def on_face(directions: np.ndarray, face: np.ndarray) -> np.ndarray:
+def on_face(directions: Array, face: Array) -> Array:
     """Where on a face, (n, 2): beyond 0..1 where another face would be the one."""
     place = np.empty((len(directions), 2))
     for number, (main, s, t) in enumerate(_FACES):
@@ -50,7 +51,7 @@ def on_face(directions: np.ndarray, face: np.ndarray) -> np.ndarray:
     return place
 
 
-def sky(faces: np.ndarray) -> np.ndarray:
+def sky(faces: Array) -> Array:
     """A sky as a lat-long image, (height, width, 3) float32 of 0..1, in the world's axes, +y as its top.
 
     MuJoCo's z is up, and the sky's cube has y for it.
@@ -65,13 +66,13 @@ def sky(faces: np.ndarray) -> np.ndarray:
     return look_up(faces, world).reshape(height, width, 3)
 
 
-def look_up(faces: np.ndarray, directions: np.ndarray) -> np.ndarray:
+def look_up(faces: Array, directions: Array) -> Array:
     """A sky in directions of the world (n, 3) of any length: (n, 3) float32 of 0..1."""
     face, place = faces_of(directions @ np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]))
     return _bilinear(faces, face, place)[:, :3].astype(np.float32) / np.float32(255)
 
 
-def _bilinear(faces: np.ndarray, face: np.ndarray, place: np.ndarray) -> np.ndarray:
+def _bilinear(faces: Array, face: Array, place: Array) -> Array:
     side = faces.shape[1]
     at = np.clip(place * side - 0.5, 0, side - 1)
     low = np.floor(at).astype(int)
@@ -79,10 +80,11 @@ def _bilinear(faces: np.ndarray, face: np.ndarray, place: np.ndarray) -> np.ndar
     share = (at - low)[:, :, None]
     columns = faces[face, low[:, 1], low[:, 0]] * (1 - share[:, 0]) + faces[face, low[:, 1], high[:, 0]] * share[:, 0]
     below = faces[face, high[:, 1], low[:, 0]] * (1 - share[:, 0]) + faces[face, high[:, 1], high[:, 0]] * share[:, 0]
-    return columns * (1 - share[:, 1]) + below * share[:, 1]
+    texels: Array = columns * (1 - share[:, 1]) + below * share[:, 1]
+    return texels
 
 
-def onto_cube(shape: Shape, scale: np.ndarray) -> Shape:
+def onto_cube(shape: Shape, scale: Array) -> Shape:
     """A shape with texture coordinates into the six faces of a cube, one below the other.
 
     scale: of the shape where it is looked up. Triangles are cut along the edges of the cube, and into smaller ones where
@@ -107,7 +109,7 @@ def onto_cube(shape: Shape, scale: np.ndarray) -> Shape:
     return flat[:, 3:6], None, None if normals is None else flat[:, 6:9], uv
 
 
-def _cut(corners: np.ndarray, side: np.ndarray) -> np.ndarray:
+def _cut(corners: Array, side: Array) -> Array:
     """Triangles, none of which has corners on both sides; `side`: of each corner its distance, with a sign."""
     side = np.where(np.abs(side) < 1e-9 * np.abs(side).max(initial=1e-9), 0.0, side)
     crosses = (side > 0).any(1) & (side < 0).any(1)
@@ -124,14 +126,15 @@ def _cut(corners: np.ndarray, side: np.ndarray) -> np.ndarray:
     return np.concatenate([corners[~crosses], pieces])
 
 
-def _is_bent(looked: np.ndarray) -> np.ndarray:
+def _is_bent(looked: Array) -> Array:
     """Whether the distance along the axis of its face differs much between a triangle's corners."""
     axis = np.abs(looked.mean(1)).argmax(-1)
     along = np.abs(np.take_along_axis(looked, axis[:, None, None], -1)[..., 0])
-    return along.max(1) > 1.1 * along.min(1) + 1e-9
+    is_bent: Array = along.max(1) > 1.1 * along.min(1) + 1e-9
+    return is_bent
 
 
-def _quartered(corners: np.ndarray) -> np.ndarray:
+def _quartered(corners: Array) -> Array:
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     ab, bc, ca = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
     return np.concatenate([np.stack(t, 1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
