@@ -1,4 +1,4 @@
-"""Writes the page of script/scoreboard from its results: Markdown, HTML, which has a table of each scene, and pictures."""
+"""Writes the page of script/scoreboard from its results: Markdown with the rows that pictures show, HTML with all figures, and pictures."""
 import html
 import json
 import math
@@ -10,6 +10,8 @@ from PIL import Image, ImageDraw, ImageFont
 BEGIN, END = "<!-- results: script/scoreboard --docs -->\n", "<!-- end of the results -->\n"
 SHOWN = ("balanced", "best, 4 samples --gl none", "three.js", "VTK", "F3D", "pyrender", "MuJoCo classic", "MuJoCo Filament",
          "EEVEE, 4", "Cycles, 4, denoised", "Mitsuba, 16")
+
+IN_SHORT = {"raster look", "balanced --gl none", "paths, 4", *SHOWN}
 
 
 def collect(folder, settings, programs):
@@ -64,11 +66,22 @@ def table(head, rows):
     return "\n".join(["| " + " | ".join(head) + " |", "|---" * len(head) + "|", *("| " + " | ".join(row) + " |" for row in rows)]) + "\n"
 
 
-def summary_table(data, cores):
-    rows = [[bold(r, r["program"]), time_text(r["ms"]), number(r["flip"]),
-             *map(number, r["flips"]), f"{r['start']:.1f}", f"{r['peak']:.0f}"]
-            for r in sorted(summary_rows(data, cores), key=lambda r: r["ms"])]
-    return table(["program", "frame", "FLIP, mean", *data["scenes"], "start to picture, s", "memory, MB"], rows)
+def mean_text(row):
+    """The mean error; where not all scenes were drawn, of how many."""
+    drawn = [flip for flip in row["flips"] if flip is not None]
+    return f"{sum(drawn) / len(drawn):.3f}" + (f" ({len(drawn)})" if len(drawn) < len(row["flips"]) else "")
+
+
+def summary_table(data, cores, all_figures):
+    """All rows with the error in each scene, or those of the pictures with the mean error."""
+    rows = sorted(summary_rows(data, cores), key=lambda r: r["ms"])
+    if all_figures:
+        return table(["program", "frame", "FLIP, mean", *data["scenes"], "start to picture, s", "memory, MB"],
+                     [[bold(r, r["program"]), time_text(r["ms"]), number(r["flip"]), *map(number, r["flips"]), f"{r['start']:.1f}",
+                       f"{r['peak']:.0f}"] for r in rows])
+    return table(["program", "frame", "FLIP, mean", "start to picture, s", "memory, MB"],
+                 [[bold(r, r["program"]), time_text(r["ms"]), mean_text(r), f"{r['start']:.1f}", f"{r['peak']:.0f}"]
+                  for r in rows if r["program"] in IN_SHORT])
 
 
 def number(value):
@@ -89,13 +102,13 @@ def panes_table(panes):
     return table(["program", "right", "another order", "a layer lost", "other colours"], rows)
 
 
-def truths_table(data):
+def truths_table(data, all_figures):
     """What each scene is, what made its truth, and how far path tracers are apart."""
-    pairs = list(dict.fromkeys(pair for scene in data["scenes"].values() for pair in scene["apart"]))
+    pairs = list(dict.fromkeys(pair for scene in data["scenes"].values() for pair in scene["apart"])) if all_figures else []
     rows = [[f"`{name}`", scene["what"], scene["truth"].replace(":", " ").replace(",", ", "),
              *(number(scene["apart"].get(pair)) for pair in pairs), number(scene["own_to_truth"])]
             for name, scene in data["scenes"].items()]
-    return table(["scene", "", "truth, samples", *(f"FLIP of {pair}" for pair in pairs), "Sideray to the truth"], rows)
+    return table(["scene", "", "truth, samples", *(f"FLIP of {pair}" for pair in pairs), "FLIP of Sideray's paths"], rows)
 
 
 def versions(data, programs):
@@ -108,16 +121,18 @@ def versions(data, programs):
         yield [family, version, lacks or "nothing of these scenes"]
 
 
-def markdown(data, programs, cores, machine, with_scene_tables):
+def markdown(data, programs, cores, machine, all_figures):
     parts = [f"{machine}; pictures of {next(iter(data['scenes'].values()))['size']}.\n",
-             "## All scenes\n", "A row's time is the geometric mean over the scenes that the program drew.\n", summary_table(data, cores),
-             "## Scenes and truths\n", truths_table(data)]
+             "## All scenes\n", "Times are geometric means over the scenes that the program drew.\n" if all_figures else
+             "Times are geometric means over the scenes that the program drew; (5) means five of six.\n",
+             summary_table(data, cores, all_figures), "## Scenes and truths\n", truths_table(data, all_figures)]
     for name, scene in data["scenes"].items():
-        parts += [f"## {name}\n", f"![{name} as each program draws it](images/scoreboard-{name}.jpg)\n"]
-        parts += [scene_table(scene, cores)] if with_scene_tables else []
+        parts += [f"## {name}\n"] if all_figures else []
+        parts += [f"![{name}](images/scoreboard-{name}.jpg)\n"]
+        parts += [scene_table(scene, cores)] if all_figures else []
     if data["panes"]:
         stacks = next(p["stacks"] for p in data["panes"] if "stacks" in p)
-        parts += ["## Stacks of panes\n", f"{stacks} stacks of four unlit panes, half transparent; in half of them each pane is an object, in "
+        parts += ["## Stacks of panes\n", f"{stacks} stacks of four unlit panes, half transparent: in half of them each pane is an object, in "
                   "the others all four are one primitive. A stack is right if its middle has the colour that the order of the panes gives, blended "
                   "as light or as display values.\n", panes_table(data["panes"])]
     parts += ["## Programs\n", table(["program", "version", "cannot draw"], versions(data, programs))]
