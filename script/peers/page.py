@@ -113,10 +113,12 @@ def truths_table(data, all_figures):
 
 def versions(data, programs):
     """A line a family: what was measured, what it cannot draw."""
-    seen = {r["family"]: r for s in data["scenes"].values() for r in measured(s)}
+    seen = {}
+    for record in (r for s in data["scenes"].values() for r in measured(s)):
+        seen.setdefault(record["family"], set()).add(record["version"])
     for family in dict.fromkeys(p.family for p in programs):
         of = [p for p in programs if p.family == family]
-        version = f"{seen[family]['version']}" if family in seen else "not measured"
+        version = ", ".join(sorted(seen.get(family, ()))) or "not measured"
         lacks = next((p.lacks for p in of if p.lacks), "")
         yield [family, version, lacks or "nothing of these scenes"]
 
