@@ -60,7 +60,7 @@ void draw(PictureJob& job, Picture& picture) {
   describe_scene(*job.snapshot, picture.stats);
 }
 
-// What `gl` says, unless it leaves the choice open and the environment does not.
+// The way to OpenGL: desc.gl; if that is "auto", the environment variable SIDERAY_GL if it is set.
 std::string choice_of(const sideray_renderer_desc& desc) {
   const std::string given = desc.gl ? desc.gl : "auto";
   const char* variable = std::getenv("SIDERAY_GL");

@@ -74,7 +74,7 @@ class OlderLayers {
   };
   struct Row {
     std::vector<Carried> layers, sorted;
-    std::vector<uint32_t> first;  // in `sorted`, of each row of tiles that they go to
+    std::vector<uint32_t> first;  // index in `sorted` of the first layer for each row of tiles
     // The surface that was looked up last: neighbours show the same.
     uint32_t last_id = 0;
     const Motion* last_motion = nullptr;

@@ -73,8 +73,8 @@ class RefractionTracer {
   static constexpr uint32_t most_events = 256;
   // A path from a first refraction hits at most this many surfaces, that one included.
   static constexpr uint32_t most_events_behind = 8;
-  // Exact rays leave the first rough surface that they pass in this many directions, half of them in each estimate;
-  // others, and those scattered already, in one.
+  // At its first rough surface a path of a reference splits into this many directions, half of them for each of the two
+  // estimates. At further rough surfaces, and in frames, it continues in one direction.
   static constexpr uint32_t scattered_paths = 8;
 
   // `shader` has begun. Refills `result`; adds what was done to `counters`. Other than complete: the shader did not

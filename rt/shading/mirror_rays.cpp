@@ -77,7 +77,7 @@ void MirrorRays::clear() {
 void MirrorRays::add(const SurfacePoint& p, uint32_t point, glm::vec3 origin, const Mirror& mirror) {
   if (mirrors(mirror)) {
     rays_.push_back({origin, 0.0f, mirror.direction, farthest});
-    // What a narrow lobe blurs in textures, its cone blurs.
+    // A narrow lobe is one mirror ray whose cone is wider, so that coarser mip levels blur what it shows.
     const float spread = mirror.narrow ? 2.0f * mirror.roughness * mirror.roughness : 0.0f;
     cones_.push_back({p.cone.width, p.cone.spread + spread});
   } else {

@@ -234,12 +234,12 @@ def panes_programs(sideray, there):
     return [Sideray(sideray, "balanced --oit abuffer", ["--oit", "abuffer"]), *(p for p in there if p.name in kinds)]
 
 
-def tracer_of(folder, sideray, tracer, samples):
+def tracer_of(folder, sideray, tracer, samples, seed="7"):
     """The program that draws a truth: a path tracer with many samples, 'Cycles', 'Mitsuba' or 'Sideray'."""
     if tracer == "Sideray":
         return Sideray(sideray, "paths", ["--reference", "--bounces", "unlimited", "--caustics", "on", "--samples", str(samples),
-                                          "--light-samples", "8", "--seed", "7"], reference=True)
-    pythons, words = [str(folder / "bin" / "python3"), sys.executable], ["--samples", str(samples), "--seed", "7"]
+                                          "--light-samples", "8", "--seed", seed], reference=True)
+    pythons, words = [str(folder / "bin" / "python3"), sys.executable], ["--samples", str(samples), "--seed", seed]
     found = Mitsuba(tracer, pythons, [*words, "--robust"]) if tracer == "Mitsuba" else Cycles(tracer, pythons, [*words, "--denoise"])
     if not found.is_there():
         raise Failure(f"{tracer} is not there: {found.install}")
