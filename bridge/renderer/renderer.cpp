@@ -206,7 +206,7 @@ void Renderer::set_scene(sideray_scene* scene) {
   backend_->set_scene(snapshot_);
 }
 
-// Scenes that nobody else holds any longer go.
+// Releases the earlier scenes that only this renderer still holds.
 void Renderer::change_scene(sideray_scene* scene) {
   constexpr size_t most_others = 3;
   backend_->set_tracer(nullptr);

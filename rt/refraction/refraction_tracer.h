@@ -172,8 +172,8 @@ class RefractionTracer {
   PointShader* shader_ = nullptr;
   Counters* counters_ = nullptr;
   std::vector<RefractedPixel>* result_ = nullptr;
-  std::vector<PathEnd>* path_ends_ = nullptr;  // where paths are followed for their ways alone; otherwise null
-  std::vector<PathSurface>* path_surfaces_ = nullptr;  // likewise, where what they hit is wanted
+  std::vector<PathEnd>* path_ends_ = nullptr;  // output where paths are followed without shading; otherwise null
+  std::vector<PathSurface>* path_surfaces_ = nullptr;  // likewise, if the surfaces that they hit are asked for
   std::vector<Path> paths_;
   std::vector<uint32_t> active_, next_active_, pending_, group_, ends_;
   std::vector<Ray> rays_;

@@ -35,7 +35,7 @@ void make_surfaces(const ShadingScene& scene, const ShadeKernels& kernels, std::
 void append_surfaces(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
                      std::vector<SurfacePoint>& points);
 
-// Holds shadow rays by component, with what their points gain where nothing blocks them. Its memory never shrinks.
+// Holds shadow rays by component, and the light that each adds to its point if it is unoccluded. Its memory never shrinks.
 class ShadowRays {
  public:
   size_t size() const { return count_; }
@@ -96,9 +96,9 @@ class SurfaceBatch {
   // Returns whether anything of a point is matt.
   bool is_matt(size_t point) const;
   PointAround point_around(size_t point) const;
-  // Lets what is matt see what arrives in place of all of the sky.
+  // Replaces the unoccluded sky's irradiance of diffuse surfaces by what arrives.
   void let_arrive(std::span<const ArrivingLight> arriving);
-  // The same of what the mirror directions show, which reflect_environment() has filled.
+  // The same for the mirrored environment, which reflect_environment() has filled in.
   void let_arrive_in_mirrors(std::span<const ArrivingLight> arriving);
 
   // Lets the mirror directions show the prefiltered environment.
