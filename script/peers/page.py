@@ -98,8 +98,11 @@ def scene_table(scene, cores):
 
 
 def panes_table(panes):
-    rows = [[bold(p, p["program"]), *(str(p[k]) for k in ("right", "order", "lost", "other"))] for p in sorted(panes, key=lambda p: -p.get("right", 0)) if "right" in p]
-    return table(["program", "right", "another order", "a layer lost", "other colours"], rows)
+    """A row for all programs with the same counts."""
+    rows = {}
+    for record in sorted((p for p in panes if "right" in p), key=lambda p: -p["right"]):
+        rows.setdefault(tuple(str(record[k]) for k in ("right", "order", "lost", "other")), []).append(bold(record, record["program"]))
+    return table(["programs", "right", "another order", "a layer lost", "other colours"], [["; ".join(names), *counts] for counts, names in rows.items()])
 
 
 def truths_table(data, all_figures):
