@@ -158,8 +158,8 @@ def measure_dolly(setting, options, sideray, there):
     truth, again = (tracer_of(peers, sideray, TRUTH, SAMPLES, seed) for seed in ("7", "8"))
     truth.file, again.file, again.name = f"truth-{SAMPLES}", f"truth-{SAMPLES}-once-more", ONCE_MORE
     truths = list(Alone(truth).pictures(board, folders))
-    ways = [Alone(p) for p in there if p.name in KINDS] + [Alone(again)]
-    ways += [InSequence(sideray, "balanced, a sequence", []), InSequence(sideray, "balanced --gl none, a sequence", ["--gl", "none"])]
+    ways = [InSequence(sideray, "balanced, a sequence", []), InSequence(sideray, "balanced --gl none, a sequence", ["--gl", "none"]),
+            *(Alone(p) for p in there if p.name in KINDS), Alone(again)]
     for way in ways:
         path = board.folder / f"{way.file}.json"
         if path.is_file() and not options.again:

@@ -15,7 +15,7 @@ IN_SHORT = {"raster look", "balanced --gl none", "paths, 4", *SHOWN}
 
 
 def collect(folder, settings, programs):
-    """{scene: {truth, programs}} of what was measured, and the counts of panes."""
+    """{scene: {truth, programs}} of what was measured, the counts of panes, and what flickers."""
     results = {}
     for setting in settings:
         path = folder / setting.name / "truth.json"
@@ -24,7 +24,8 @@ def collect(folder, settings, programs):
         records = [json.loads(file.read_text()) for p in programs if (file := folder / setting.name / f"{p.file}.json").is_file()]
         results[setting.name] = {**json.loads(path.read_text()), "programs": records}
     panes = [json.loads(file.read_text()) for file in sorted((folder / "panes").glob("*.json")) if file.stem != "stats"]
-    return {"scenes": results, "panes": panes}
+    dolly = {s.name: found for s in settings if (found := [json.loads(f.read_text()) for f in sorted((folder / f"dolly-{s.name}").glob("*.json"))])}
+    return {"scenes": results, "panes": panes, "dolly": dolly}
 
 
 def milliseconds(record, cores):
@@ -105,6 +106,16 @@ def panes_table(panes):
     return table(["programs", "right", "another order", "a layer lost", "other colours"], [["; ".join(names), *counts] for counts, names in rows.items()])
 
 
+def dolly_table(dolly):
+    """A row a program: in each scene by how much the error changes from frame to frame, times 10^4."""
+    measured_ = {scene: {r["program"]: r for r in records if "flicker" in r} for scene, records in dolly.items()}
+    programs = {name: record for records in measured_.values() for name, record in records.items()}
+    energy = {name: [of[name]["flicker_of_error"] if name in of else None for of in measured_.values()] for name in programs}
+    order = sorted(programs, key=lambda name: [e for e in energy[name] if e is not None][0])
+    rows = [[bold(programs[name], name), *("" if e is None else f"{1e4 * e:.1f}" for e in energy[name])] for name in order]
+    return table(["program", *measured_], rows)
+
+
 def truths_table(data, all_figures):
     """What each scene is, what made its truth, and how far path tracers are apart."""
     pairs = list(dict.fromkeys(pair for scene in data["scenes"].values() for pair in scene["apart"])) if all_figures else []
@@ -140,6 +151,10 @@ def markdown(data, programs, cores, machine, all_figures):
         parts += ["## Stacks of panes\n", f"{stacks} stacks of four unlit panes, half transparent: in half of them each pane is an object, in "
                   "the others all four are one primitive. A stack is right if its middle has the colour that the order of the panes gives, blended "
                   "as light or as display values.\n", panes_table(data["panes"])]
+    if data["dolly"]:
+        parts += ["## While the camera moves\n", "A dolly of 12 frames of 240x135. `flicker_of_error` ([cli.md](cli.md#chart)) times 10^4: what changes from "
+                  "frame to frame otherwise than in the truth, which is Cycles with 64 samples, denoised. Each frame is drawn by itself; \"a "
+                  "sequence\" has Sideray's history.\n", dolly_table(data["dolly"])]
     parts += ["## Programs\n", table(["program", "version", "cannot draw"], versions(data, programs))]
     return "\n".join(parts)
 
