@@ -148,8 +148,15 @@ def flicker(pictures, truths):
     return {"flicker": energy[0] - energy[1], "flicker_of_error": energy[2], "truth": energy[1]}
 
 
+def has_drawn(program, folder):
+    """Whether it has a result in a scene's folder: it can draw the scene, and in time."""
+    path = folder / f"{program.file}.json"
+    return path.is_file() and "flip" in json.loads(path.read_text())
+
+
 def measure_dolly(setting, options, sideray, there):
-    """Writes a result a program to FOLDER/dolly-NAME."""
+    """Writes a result to FOLDER/dolly-NAME for each program that has one in FOLDER/NAME."""
+    there = [p for p in there if p.name in KINDS and has_drawn(p, options.folder / setting.name)]
     setting = dataclasses.replace(setting, name=f"dolly-{setting.name}", width=SIZE[0], height=SIZE[1])
     board = Board(setting, options, sideray)
     board.prepare()
@@ -159,7 +166,7 @@ def measure_dolly(setting, options, sideray, there):
     truth.file, again.file, again.name = f"truth-{SAMPLES}", f"truth-{SAMPLES}-once-more", ONCE_MORE
     truths = list(Alone(truth).pictures(board, folders))
     ways = [InSequence(sideray, "balanced, a sequence", []), InSequence(sideray, "balanced --gl none, a sequence", ["--gl", "none"]),
-            *(Alone(p) for p in there if p.name in KINDS), Alone(again)]
+            *map(Alone, there), Alone(again)]
     for way in ways:
         path = board.folder / f"{way.file}.json"
         if path.is_file() and not options.again:
