@@ -48,7 +48,7 @@ struct FramePlan {
   bool averages;       // with the pictures before: temporal anti-aliasing
   bool motion;         // how what is seen moved is needed
   bool marks_inexact;  // some surface takes the inexact shadow test
-  bool fills_rest;     // and needs the place where rays hit it
+  bool fills_rest;     // the G-buffer also stores where rays hit that surface
   bool without_color;  // nothing is lit, and the average is left out
   bool ground_truth;   // channels of it are shown, by rays of their own beside the frame's
   bool masks_shadows() const { return masks.shadow_lights != 0 || masks.combined_lights; }

@@ -46,7 +46,7 @@ struct FirstBend {
   uint32_t key;     // of its pixel, for random numbers
   uint32_t before;  // how many surfaces the ray hit before it
   RayReuse::Pixel pixel;
-  bool is_lit;      // the light of the surface itself is computed already, and left out
+  bool is_lit;      // the surface's own light has been added already
 };
 
 // Holds where a path ended that was followed for its way alone.

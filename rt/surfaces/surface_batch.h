@@ -56,8 +56,8 @@ class ShadowRays {
   size_t count_ = 0;
 };
 
-// What arrives at a point from around it, beside lights: the light that other surfaces throw, as the radiance that a white matt
-// surface has by it, and the share of the sky's light that nothing hides.
+// Indirect light at a point: thrown = the radiance of a white diffuse surface lit by other surfaces alone; open = the
+// unoccluded share of the sky's light.
 struct ArrivingLight {
   glm::vec3 thrown{0.0f}, open{1.0f};
 };
