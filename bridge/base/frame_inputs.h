@@ -11,8 +11,8 @@
 
 namespace sideray::bridge {
 
-// What the renderer requests of a frame beyond its outputs: times, checks, occluder distances, only some tiles. The outputs
-// stay the same, except in tiles that are not wanted.
+// What the renderer requests of a frame beyond its outputs: times, checks, occluder distances, only some tiles. The
+// outputs stay the same, except in tiles that are not wanted.
 struct Inspection {
   bool check = false;          // CACHE also traces what its layers are checked against
   bool hit_distances = false;  // masks hold the distance of every occluder near a shadow's edge

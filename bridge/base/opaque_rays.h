@@ -1,5 +1,5 @@
-// Resolves `auto` of ambient occlusion, bounced light and reflections of opaque surfaces. The scene alone decides, so that
-// all frames of a sequence agree. Any thread may call it.
+// Resolves `auto` of ambient occlusion, bounced light and reflections of opaque surfaces. The scene alone decides, so
+// that all frames of a sequence agree. Any thread may call it.
 #pragma once
 
 #include "model/snapshot.h"

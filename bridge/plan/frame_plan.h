@@ -38,7 +38,7 @@ struct FramePlan {
   // The renderer asks the service for these, as any host does, and adds the names of textures. The rasterizer obeys
   // `refraction` also where nothing is traced.
   sideray_layer_inputs layers;            // with `traces`
-  // The cache that `--aov layers` shows where rays composite all surfaces, so that no picture needs it. max_layers 0: none.
+  // The cache that `--aov layers` shows where the picture needs none: rays composite all surfaces. max_layers 0: none.
   sideray_layer_inputs shown_layers;
   sideray_mask_inputs masks;              // with masks_occlusion()
   sideray_irradiance_inputs irradiance;   // with `bounces`

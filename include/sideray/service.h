@@ -134,7 +134,7 @@ typedef struct sideray_layer_inputs {
   int32_t refraction;
   int32_t particles;       /* COMPOSITE: rays hit sprites, as quads that face the eye */
   uint32_t requested_bits; /* with adds_to; outside stencil_bits, for example 0x40 where sideray_asks() holds */
-  /* CACHE: the ticket of a frame at a reduced cache_rate, of which this frame is the second wave; all other inputs equal
+  /* CACHE: the ticket of a frame at a reduced cache_rate, of which this frame is the second wave; all other inputs are
    * those of that frame. It must be the newest finished frame, and nothing else may be in flight. Its layers stay, and
    * pixels whose stencil has one of `requested_bits` are traced and added. 0 = a frame of its own. */
   sideray_ticket adds_to;

@@ -1,5 +1,5 @@
-// Screen-space refraction: looks the opaque picture up where a refracted ray leaves a body of the material's thickness, in
-// a mip level as coarse as the surface is rough, as shaders/translucent/raster_aside.glsl does. Any thread may read
+// Screen-space refraction: looks the opaque picture up where a refracted ray leaves a body of the material's thickness,
+// in a mip level as coarse as the surface is rough, as shaders/translucent/raster_aside.glsl does. Any thread may read
 // it.
 #pragma once
 

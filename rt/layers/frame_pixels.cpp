@@ -135,8 +135,8 @@ class Gatherer {
     if (pixel.layers > 0) pixels_.push_back(pixel);
   }
 
-  // Lets the traced pixel of a cell also collect layers for (x, y). Only needed if (x, y) sees farther: then the ray goes
-  // on behind the opaque surface of its own pixel, to the depth of (x, y), with the larger of both layer counts. The
+  // Lets the traced pixel of a cell also collect layers for (x, y). Only needed if (x, y) sees farther: then the ray
+  // goes on behind the opaque surface of its own pixel, to the depth of (x, y), with the larger of both layer counts. The
   // surfaces found there serve neighbours only.
   void answer_for(uint32_t x, uint32_t y, PixelRequest& pixel) const {
     const uint32_t layers = wanted(x, y);

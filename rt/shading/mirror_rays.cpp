@@ -122,8 +122,8 @@ void MirrorRays::reflect(std::span<const SurfacePoint> points, glm::vec3* radian
   see_past(*rough);
 }
 
-// Adds the environment to rough lobes: over the whole lobe, and in the direction of rays that hit nothing. The latter is
-// looked up as sharp as half the roughness has it, since the filter averages neighbouring directions.
+// Adds the environment to rough lobes: over the whole lobe, and in the direction of rays that hit nothing. The latter
+// is looked up as sharp as half the roughness has it, since the filter averages neighbouring directions.
 void MirrorRays::see_past(std::vector<RoughReflection>& rough) {
   constexpr float narrower = 0.5f;
   const bool black = scene_->snapshot->environment->black;

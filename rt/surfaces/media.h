@@ -67,8 +67,8 @@ struct RefractionScene {
   ShadingScene surfaces;
   std::vector<Medium> materials;
   model::Bounds tinting;  // of all instances that tint light
-  // By material, if an instance that tints light has it. plain_solid: for solids, whose absorption is added along the ray;
-  // plain_other: for all others, with the absorption of the material's thickness.
+  // By material, if an instance that tints light has it. plain_solid: of solids, whose absorption is added along the
+  // ray; plain_other: of all others, with the absorption of the material's thickness.
   std::vector<PlainGlass> plain_solid, plain_other;
   std::vector<uint8_t> bends;  // of each material: 1 = its surfaces bend light that comes from the air, or blur it
 

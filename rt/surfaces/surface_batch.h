@@ -35,7 +35,7 @@ void make_surfaces(const ShadingScene& scene, const ShadeKernels& kernels, std::
 void append_surfaces(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
                      std::vector<SurfacePoint>& points);
 
-// Holds shadow rays by component, and the light that each adds to its point if it is unoccluded. Its memory never shrinks.
+// Holds shadow rays by component, and the light that each adds to its point if unoccluded. Its memory never shrinks.
 class ShadowRays {
  public:
   size_t size() const { return count_; }
