@@ -11,17 +11,17 @@
 
 namespace sideray::bridge {
 
-// Holds what the renderer requests beside a frame's outputs: it times and counts the frame, and tells the distances behind masks.
-// The frame shows the same, except in tiles that are not wanted.
+// What the renderer requests of a frame beyond its outputs: times, checks, occluder distances, only some tiles. The
+// outputs stay the same, except in tiles that are not wanted.
 struct Inspection {
   bool check = false;          // CACHE also traces what its layers are checked against
   bool hit_distances = false;  // masks hold the distance of every occluder near a shadow's edge
   // The previous frame of the view is traced once more, for its time or for another sample position: no history advances.
   bool redraws = false;
-  bool keeps_masks = false;  // where it is drawn again: its masks stay, as those of a frame that shows nothing new do
-  // Tiles of layers, and of masks and reflections, that are traced in a frame that does not continue; null: all.
+  bool keeps_masks = false;  // with `redraws`: the masks are reused, as in a view at rest
+  // The tiles that are traced, of layers and of masks and reflections, if the frame does not continue; null: all.
   std::shared_ptr<const rt::WantedTiles> wanted, wanted_light;
-  // Frames that a position of a still view has taken, this one included: nothing is shown before it is whole. 0 = it is no such.
+  // Of a position of a still view under a budget: the frames that it has taken, this one included. 0 = it is none.
   uint32_t position_frames = 0;
   bool timed = false;        // the GPU is waited for around readback and upload, so that their times stand alone
 };

@@ -1,5 +1,5 @@
-// Decides whether ambient occlusion, light that surfaces throw on each other, and reflections of opaque surfaces are traced where that is left to the plan, from the
-// scene alone: all frames of a sequence decide alike. Any thread may call it.
+// Resolves `auto` of ambient occlusion, bounced light and reflections of opaque surfaces. The scene alone decides, so
+// that all frames of a sequence agree. Any thread may call it.
 #pragma once
 
 #include "model/snapshot.h"

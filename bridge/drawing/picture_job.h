@@ -27,8 +27,8 @@ struct PictureJob {
   const sideray_camera camera;
   const RenderOptions options;
   const std::atomic<bool>& cancelled;  // by another thread
-  bool has_frame = false;  // one was drawn: the next redraws it
-  bool keeps_masks = false;  // and its masks stay
+  bool has_frame = false;  // a frame was drawn, which the next one repeats (to time it)
+  bool keeps_masks = false;  // the repetition reuses the masks
 
   gl::RasterView view_of(uint32_t sample) const {
     return backend.make_view(camera, sequence.jitter(plan, sample));

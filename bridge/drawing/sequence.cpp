@@ -15,7 +15,7 @@
 namespace sideray::bridge {
 namespace {
 
-constexpr uint32_t most_averaged_under_budget = 2;  // positions, that the average over time counts for beside those of a still view
+constexpr uint32_t most_averaged_under_budget = 2;  // weight, in positions of a still view, of the temporal average
 
 bool same_camera(const sideray_camera& a, const sideray_camera& b) {
   return std::equal(std::begin(a.world_from_camera), std::end(a.world_from_camera), std::begin(b.world_from_camera)) &&

@@ -80,7 +80,7 @@ class Sequence {
   bool is_settled_ = false;  // the last one showed no history from before that change
   StillPicture still_;
   std::shared_ptr<rt::TileReach> reach_;  // of its rays
-  bool is_restless_ = false;              // so much has moved that the picture as a whole began anew, and nothing has rested since
+  bool is_restless_ = false;  // so much moved that the whole picture restarted, and the view has not been at rest since
   Picture last_;  // once it is done
 };
 

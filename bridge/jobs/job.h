@@ -45,7 +45,7 @@ struct TraceInput {
   rt::DepthImage depth;
   std::span<const uint8_t> mask_bytes;                            // a pixel: SIDERAY_MASK_TEXTURE, _MEMORY
   std::array<std::span<const std::byte>, most_textures_read> textures;  // as texture_reads() says
-  std::array<bool, most_textures_read> are_halfs{};  // of textures that may be read so
+  std::array<bool, most_textures_read> are_halfs{};  // whether the texels were read as halfs
   float subpixel;                                                 // by how much of a pixel vertices move, at most
   const std::atomic<bool>& cancelled;
   rt::WorkTime work;                // that rays have

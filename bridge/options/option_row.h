@@ -62,11 +62,11 @@ struct OptionRow {
   sideray_past (*past)(const OptionValues&) = nullptr;
   // Adds the shortcut that a value other than the exact one means, taken or not; nullptr: there is none.
   void (*shortcuts)(const OptionValues&, const OptionScene&, std::vector<Shortcut>&) = nullptr;
-  // Throws Failure where the value contradicts other options. In the public structs, which give every option a value, most
-  // contradictions mean that the value is not read; `checks_structs`: this one does not.
+  // Throws Failure where the value contradicts other options. A public struct has a value for every option and is not
+  // checked for contradictions (the option is then ignored), unless `checks_structs`.
   void (*check)(const OptionValues&, const OptionValue&) = nullptr;
   bool checks_structs = false;
-  // Further values that the structs may hold, for which the command line has no word.
+  // Values that only the public structs accept: the command line has no word for them.
   std::vector<double> in_structs = {};
   // It says which random numbers are drawn, and nothing else.
   bool is_random = false;

@@ -7,8 +7,8 @@ namespace sideray::bridge {
 
 enum class Quality { draft, balanced, best };
 
-// Returns what the set has for an option beside the values of options before it, static text; null where that is the option's
-// default. Each value counts only where the option is not given.
+// Returns the preset's value of an option as static text, or null if it is the option's default. `before` holds the
+// options that precede it in the table, on which the value may depend. The caller ignores it where the option is given.
 const char* preset_value(Quality quality, const char* option, const RenderOptions& before);
 
 }  // namespace sideray::bridge

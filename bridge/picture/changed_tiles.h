@@ -18,7 +18,7 @@ struct ChangedView {
   const model::Snapshot& now;
   const gl::RasterView& view;
   uint32_t width, height;
-  const rt::TileReach* reach;  // of the tiles' rays; null: they may go anywhere
+  const rt::TileReach* reach;  // where the rays of each tile go; null: unknown
   bool bounces;                // paths of light that bounces are among them
 };
 

@@ -40,7 +40,7 @@ class StillPicture {
   // The tiles that take the picture which is drawn, and those of them in which surfaces are lit anew; empty: all.
   std::vector<uint8_t> wanted() const;
   std::vector<uint8_t> wanted_light() const;
-  // Whether some begin anew with it.
+  // Whether some tile restarts with the picture that is being drawn.
   bool begins_tiles() const { return begins_tiles_; }
 
   // Takes a picture that was not added. `averaged`: of how many pictures it is an average over time, at least 1.

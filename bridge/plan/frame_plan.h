@@ -38,7 +38,7 @@ struct FramePlan {
   // The renderer asks the service for these, as any host does, and adds the names of textures. The rasterizer obeys
   // `refraction` also where nothing is traced.
   sideray_layer_inputs layers;            // with `traces`
-  // Describes the cache that is traced only to be shown, where rays composite all surfaces; max_layers 0: none is.
+  // The cache that `--aov layers` shows where the picture needs none: rays composite all surfaces. max_layers 0: none.
   sideray_layer_inputs shown_layers;
   sideray_mask_inputs masks;              // with masks_occlusion()
   sideray_irradiance_inputs irradiance;   // with `bounces`
@@ -48,7 +48,7 @@ struct FramePlan {
   bool averages;       // with the pictures before: temporal anti-aliasing
   bool motion;         // how what is seen moved is needed
   bool marks_inexact;  // some surface takes the inexact shadow test
-  bool fills_rest;     // and needs the place where rays hit it
+  bool fills_rest;     // the G-buffer also stores where rays hit that surface
   bool without_color;  // nothing is lit, and the average is left out
   bool ground_truth;   // channels of it are shown, by rays of their own beside the frame's
   bool masks_shadows() const { return masks.shadow_lights != 0 || masks.combined_lights; }

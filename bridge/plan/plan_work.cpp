@@ -20,7 +20,7 @@ using Textures = std::vector<PlannedTexture>;
 // A ray that mirrors is traced for opaque surfaces, for translucent ones before them, and for those beyond the first
 // few once more (rt/shading/hit_shader.cpp).
 constexpr uint64_t rays_a_mirror = 3;
-// A path, and one ray more for what is translucent before the sky.
+// One ray for each surface of a path, one to the sky, one for the glass before the sky.
 constexpr uint64_t rays_a_path = rt::most_path_surfaces + 2;
 
 // A sum with an unbounded term is unbounded.
@@ -133,7 +133,7 @@ void add_results(const FramePlan& plan, Textures& textures) {
     add("composite.transmittance", "RGBA16F", 1, half4.bytes);
   }
   add("shadow_masks", "R8", plan.shadow_masks() + (plan.masks.unhidden_sky ? 1u : 0u), 1);
-  // A light has them after its rays have passed glass.
+  // A light gets tint planes when one of its rays first passes through glass: this is the most there can be.
   add("shadow_tints", "R8", plan.glass_shadows ? 3 * plan.shadow_masks() : 0, 1);
   add("ambient_mask", "R8", plan.masks.ao_rays > 0 ? 1 : 0, 1);
   add("irradiance", "RGBA16F", plan.bounces ? 1 : 0, half4.bytes);
@@ -144,7 +144,7 @@ void add_results(const FramePlan& plan, Textures& textures) {
 uint64_t traversals_a_pixel(const FramePlan& plan) {
   const sideray_layer_inputs& layers = plan.layers;
   if (layers.refraction || (layers.mode == SIDERAY_COMPOSITE && layers.max_layers == 0)) return SIDERAY_UNBOUNDED;
-  // One traversal finds them all, up to half of its capacity; beyond that each but the last finds one at least.
+  // One traversal finds up to 8 surfaces. With more, each traversal finds at least one, and a last one finds none.
   return layers.step == SIDERAY_STEP_MULTIHIT && layers.max_layers <= 8 ? 1 : layers.max_layers + uint64_t{1};
 }
 

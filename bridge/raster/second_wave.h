@@ -5,7 +5,7 @@
 
 namespace sideray::bridge {
 
-// The frame that is added to, and the pass whose fragments look for their layers.
+// The frame to which the second wave adds layers, and the pass whose fragments look them up.
 struct FirstWave {
   sideray_ticket ticket;
   gl::Translucency pass;

@@ -60,7 +60,7 @@ void draw(PictureJob& job, Picture& picture) {
   describe_scene(*job.snapshot, picture.stats);
 }
 
-// What `gl` says, unless it leaves the choice open and the environment does not.
+// The way to OpenGL: desc.gl; if that is "auto", the environment variable SIDERAY_GL if it is set.
 std::string choice_of(const sideray_renderer_desc& desc) {
   const std::string given = desc.gl ? desc.gl : "auto";
   const char* variable = std::getenv("SIDERAY_GL");
@@ -211,7 +211,7 @@ void Renderer::set_scene(sideray_scene* scene) {
   snapshot_ = std::move(snapshot);
 }
 
-// Scenes that nobody else holds any longer go.
+// Releases the earlier scenes that only this renderer still holds.
 void Renderer::change_scene(sideray_scene* scene) {
   constexpr size_t most_others = 3;
   sequence_->forget();

@@ -120,7 +120,7 @@ ServiceView& Service::view_of(uint32_t id) {
 void Service::advance() {
   if (context_lost_) return;
   tracer_->shading.serve();
-  // Oldest first: what has been uploaded makes room for the same job of the next frame at once.
+  // Oldest first: once a job is uploaded, the same job of the next frame may start within this call.
   std::sort(frames_.begin(), frames_.end(), [](const Frame* a, const Frame* b) { return a->ticket < b->ticket; });
   for (Frame* frame : frames_) {
     start_jobs(*frame);

@@ -48,7 +48,7 @@ class Service {
   bool masks(uint32_t view_id, sideray_mask_outputs& outputs) const;
   bool irradiance(uint32_t view_id, sideray_irradiance_outputs& outputs) const;
   bool reflections(uint32_t view_id, sideray_reflection_outputs& outputs) const;
-  // World from object, of the newest finished outputs of a job; none before the first, or where the instance is newer.
+  // The instance's world-from-object matrix in the newest finished outputs of a job; none if they lack the instance.
   std::optional<glm::dmat4x3> placement(uint32_t view_id, uint32_t job, sideray_instance instance) const;
   // `space_origin`: where the program's positions are measured from; 0 = world space.
   void bind(uint32_t view_id, uint32_t program, uint32_t first_unit, glm::dvec3 space_origin);

@@ -58,7 +58,7 @@ void Service::with_errors_told(const gl::ErrorGuard& errors, const char* what, c
   } catch (...) {
     const GLenum error = errors.take();
     on_failure(status_of(std::current_exception()));
-    // The cause of whatever else seems to be wrong.
+    // These two explain any other failure, so they are reported instead of it.
     if (error == GL_CONTEXT_LOST || error == GL_OUT_OF_MEMORY) gl::fail_with(gl_, error, what);
     throw;
   }

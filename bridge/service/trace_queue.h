@@ -21,7 +21,7 @@ class TraceQueue {
   TraceQueue(const TraceQueue&) = delete;
   TraceQueue& operator=(const TraceQueue&) = delete;
 
-  // The run is the worker's until is_traced().
+  // Only the worker may touch the job's run until is_traced().
   void push(ServiceFrame& frame, size_t job);
   bool is_traced(const JobRun& run) const;
   // Blocks until everything that was pushed is traced.

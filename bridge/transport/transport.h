@@ -17,10 +17,10 @@ struct Transport {
   std::unique_ptr<DepthPacker> packer;  // null: the driver packs depth with stencil
 };
 
-// The fastest way of each for frames such as the one requested, measured here and now on the real size: it waits for
-// the GPU some times. Drivers differ, so nothing is assumed; without buffer_storage there is nothing to choose. A way that
-// brings other bytes than the driver's own copy is not taken. The environment variable SIDERAY_TRANSPORT pins a way
-// (copy, persistent, packed), or has what was measured printed (report). Needs guards over the pixel transfer state,
+// Measures every way to read back and to upload at the size of the request, and returns the fastest of each. Waits for
+// the GPU several times. Without buffer_storage there is one way only. A way whose bytes differ from those of the
+// driver's own copy is not taken. The environment variable SIDERAY_TRANSPORT pins a way (copy, persistent, packed), or
+// prints the measurements (report). Needs guards over the pixel transfer state,
 // framebuffers and the active unit's textures. Throws Failure (INVALID_ARGUMENT, UNSUPPORTED, OUT_OF_MEMORY).
 Transport choose_transport(const gl::Functions& gl, const ReadbackRequest& request, rt::Executor& copiers);
 

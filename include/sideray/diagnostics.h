@@ -47,8 +47,8 @@ struct sideray_diagnostics {
    * shows, with that triangle's normal, instead of where the depth buffer has it. Pixels whose ray hits another
    * surface, or another pose of it, keep the depth. One more ray a pixel. */
   int32_t exact_points;
-  /* With `repeats`, where rays are traced: measured behind the frames that are timed, and written before the call that
-   * draws returns. The one thing that options lead to which the library writes. NULL: not measured. */
+  /* Output: the library writes to it before the call that draws returns, and measures it after the timed frames. Needs
+   * `repeats` and traced rays. NULL: not measured. */
   sideray_raw_frame* raw_frame;
   /* A budget without a clock: this many pieces of each kind of mask, of layers and of reflections are traced in a frame,
    * the same ones for any number of threads. 0 = none. */

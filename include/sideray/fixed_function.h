@@ -55,8 +55,8 @@ typedef struct sideray_fixed_material {
   float shininess;        /* 0..128 */
   uint32_t follows_color; /* SIDERAY_FOLLOW_*: these are the vertices' colours; a mesh without colours has white ones */
   sideray_texture_environment environment;
-  /* What the fixed function has not: how much of what is reflected is added, head on, 0..1. 0 = no ray is traced.
-   * docs/embedding.md says which value looks right where displayed values are blended. */
+  /* An addition to the fixed function: the share of the mirrored radiance that is added, seen head on, 0..1. 0 = no ray
+   * is traced. docs/embedding.md says which value looks right where displayed values are blended. */
   float reflectance[3];
   int32_t fresnel; /* the reflectance grows to 1 at grazing angles (Schlick 1994); 0 = it is the same from everywhere */
 } sideray_fixed_material;

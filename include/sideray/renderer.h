@@ -101,7 +101,7 @@ typedef enum sideray_inexact_target {
 
 typedef enum sideray_mask { SIDERAY_NO_MASK = 0, SIDERAY_STENCIL_MASK = 1, SIDERAY_COUNT_MASK = 2 } sideray_mask;
 
-/* How raster translucency, with cached and raster colours alike, is put in order. */
+/* In which order translucent fragments are blended, whether their colour is cached or rasterized. */
 typedef enum sideray_oit {
   SIDERAY_OIT_SORTED = 0,  /* whole objects, back to front */
   SIDERAY_OIT_ABUFFER = 1, /* all fragments in lists, sorted; OpenGL 4.3 */

@@ -67,7 +67,7 @@ typedef enum sideray_cache_rate {
   SIDERAY_RATE_CHECKERBOARD = 1,
   SIDERAY_RATE_INTERLEAVED = 2, /* every other row */
   SIDERAY_RATE_QUARTER = 3,     /* one of 2x2 */
-  SIDERAY_RATE_TEMPORAL4 = 4,   /* of version 0.2; as FULL until 0.4, as the next one */
+  SIDERAY_RATE_TEMPORAL4 = 4,   /* deprecated like the next one: both mean FULL, until 0.4 */
   SIDERAY_RATE_TEMPORAL8 = 5
 } sideray_cache_rate;
 
@@ -134,9 +134,9 @@ typedef struct sideray_layer_inputs {
   int32_t refraction;
   int32_t particles;       /* COMPOSITE: rays hit sprites, as quads that face the eye */
   uint32_t requested_bits; /* with adds_to; outside stencil_bits, for example 0x40 where sideray_asks() holds */
-  /* CACHE: makes this frame the second wave of a frame at a reduced cache_rate: that frame's ticket, with its inputs
-   * otherwise. It must be the newest finished frame, and nothing else may be in flight. Its layers stay, and pixels
-   * whose stencil has one of `requested_bits` are traced and added. 0 = a frame of its own. */
+  /* CACHE: the ticket of a frame at a reduced cache_rate, of which this frame is the second wave; all other inputs are
+   * those of that frame. It must be the newest finished frame, and nothing else may be in flight. Its layers stay, and
+   * pixels whose stencil has one of `requested_bits` are traced and added. 0 = a frame of its own. */
   sideray_ticket adds_to;
   /* CACHE: pixels of which the cache holds as many surfaces as the mask counts are also composited along the ray, in
    * exact order: sideray_layer_outputs::whole_radiance_texture. Needs a mask that counts, FULL rate, LINEAR space with

@@ -129,8 +129,8 @@ typedef struct sideray_shading_result {
 typedef enum sideray_shader_thread {
   SIDERAY_SHADE_ON_WORKERS = 0, /* on tracing threads, several at once */
   /* One at a time, on the thread that is inside sideray_service_advance or _wait, sideray_tracer_trace_rays or
-   * sideray_renderer_render. Tracing stops until one of them is called: advance runs the calls that wait by then, wait
-   * runs all until its time is out. */
+   * sideray_renderer_render. Until one of these is called, tracing waits: advance runs the batches that are pending,
+   * wait runs all batches until it times out. */
   SIDERAY_SHADE_IN_CALLS = 1
 } sideray_shader_thread;
 

@@ -7,8 +7,8 @@
 
 namespace sideray::rt {
 
-// Every counter once. sideray_frame_stats explains those that it has, which are copied by name: a new one is a line
-// here and a field there. Times and counts add up; of memory held the maximum counts.
+// The list of all counters. Those of sideray_frame_stats, which explains them, are copied by name: a new one is a line
+// here and a field there. Times and counts are summed over positions; of memory held (HELD) the maximum is kept.
 #define SIDERAY_COUNTERS(TIME, COUNT, HELD)                                       \
   TIME(readback_ms)                                                               \
   TIME(trace_ms)                                                                  \

@@ -19,7 +19,7 @@ struct TraceView {
   bool reversed_depth = false, zero_to_one_depth = false;
 };
 
-// Returns the way, in local space, that is +z in the eye space of OpenGL: from what is seen to the viewer.
+// Returns the direction from what is seen to the viewer (+z of OpenGL's eye space), in local space.
 glm::vec3 way_to_viewer(const TraceView& view);
 
 }  // namespace sideray::rt

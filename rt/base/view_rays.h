@@ -54,8 +54,8 @@ class ViewRays {
   // Return the unit directions in which the picture's columns and rows run.
   glm::vec3 right() const { return right_; }
   glm::vec3 up() const { return up_; }
-  // Returns a depth along the view axis, up to a factor common to all pixels, for comparisons; the point lies at a
-  // distance along a pixel's ray.
+  // Returns the depth along the view axis of the point at a distance along a pixel's ray, times a factor that is equal for
+  // all pixels: only for comparisons.
   float depth(uint32_t x, uint32_t y, double distance) const;
 
   bool perspective() const { return perspective_; }

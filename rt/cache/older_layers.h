@@ -74,7 +74,7 @@ class OlderLayers {
   };
   struct Row {
     std::vector<Carried> layers, sorted;
-    std::vector<uint32_t> first;  // in `sorted`, of each row of tiles that they go to
+    std::vector<uint32_t> first;  // index in `sorted` of the first layer for each row of tiles
     // The surface that was looked up last: neighbours show the same.
     uint32_t last_id = 0;
     const Motion* last_motion = nullptr;
@@ -104,7 +104,7 @@ class OlderLayers {
   bool known_ = false, has_moved_ = false;
   CacheRequest request_;  // of the last frame; pointers in it are not followed
   std::shared_ptr<const model::Snapshot> posed_, committed_;
-  FrameCamera camera_;  // that the layers are seen by
+  FrameCamera camera_;  // from which the layers were traced
   uint32_t number_ = 0, state_ = 0;  // numbers of the frame, and of the last change of what is seen
   uint32_t state_began_ = 0;         // number of the last frame in which it grew
   std::vector<uint32_t> traced_in_;  // of each pixel: state_ of its oldest layer; 0 = it shows nothing

@@ -44,10 +44,10 @@ class FilteredSurfaces {
 class FilteredSink final : public LayerSink {
  public:
   struct Pixel {
-    static constexpr uint32_t most_told = 8;  // surfaces that may turn out to be rough
+    static constexpr uint32_t most_told = 8;  // surfaces whose weights are kept in case they are rough
     glm::vec3 radiance, transmittance;
     std::array<glm::vec3, most_told> weights;
-    uint32_t rough;                                       // surfaces that wait
+    uint32_t rough;                                       // rough surfaces that wait for the filter
     std::array<uint32_t, FilteredSurfaces::most> layers;  // their numbers along the ray
   };
   // All outlive the sink. `bends` as in FrameContext.

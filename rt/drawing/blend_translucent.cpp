@@ -21,7 +21,7 @@ constexpr float least_let_through = 1e-4f;
 // What is accumulated in front of a pixel's opaque surface.
 struct Veil {
   glm::vec3 radiance{0.0f}, through{1.0f};
-  float see_through = 1.0f;  // of alpha, which each surface lets through by the mean of its channels
+  float see_through = 1.0f;  // product of the surfaces' mean transmittance, from which alpha follows
 };
 
 // Blends as shaders/translucent/raster_order.glsl does.

@@ -1,6 +1,6 @@
-// What is seen through surfaces that bend or blur light, as far as the picture of what is opaque shows it: where the refracted
-// ray leaves a body of the material's thickness, and in the level that is as coarse as the surface is rough, as
-// shaders/translucent/raster_aside.glsl says. Any thread may read it.
+// Screen-space refraction: looks the opaque picture up where a refracted ray leaves a body of the material's thickness,
+// in a mip level as coarse as the surface is rough, as shaders/translucent/raster_aside.glsl does. Any thread may read
+// it.
 #pragma once
 
 #include <cstdint>

@@ -114,7 +114,7 @@ class TemporalAverage::Pass {
     return inside(nearest);
   }
 
-  // All that was there is clearly in front of what is seen now: it was hidden.
+  // A disocclusion: everything that the history shows around the texel is clearly nearer than the pixel's surface.
   bool was_hidden(glm::vec2 texel, float distance) const {
     const glm::ivec2 at(texel);
     float deepest = past_->state[index(inside(at))].x;

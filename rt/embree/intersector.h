@@ -31,8 +31,8 @@ class Intersector {
   Intersector(const Intersector&) = delete;
   Intersector& operator=(const Intersector&) = delete;
 
-  // Builds on the threads of the TBB arena that it is called in, and keeps what the scene before shares with this one.
-  // Where it throws, the scene is empty.
+  // Builds on the threads of the TBB arena that it is called in; reuses the acceleration structures that both snapshots
+  // share. If it throws, the scene is empty.
   void set_scene(std::shared_ptr<const model::Snapshot> snapshot, const SceneUpdate& update = {});
 
   // Finds the first `layers` translucent surfaces of each ray in the total order (distance, surface id, primitive):

@@ -39,8 +39,8 @@ struct Lane {
 
 // Says which candidates count as surfaces.
 struct LayerRules {
-  uint32_t layers;  // that have to be found
-  uint32_t kept;    // at most: those, and others within rounding of the last one
+  uint32_t layers;  // how many have to be found
+  uint32_t kept;    // at most this many hits are kept: the layers, and others within rounding of the last one
   bool cull;        // obey TraceInstance::culls
   Cone cone;        // alpha is read at its level
 };

@@ -89,7 +89,7 @@ void first_pass_filter(const RTCFilterFunctionNArguments* arguments) {
     if (!note_candidate(lane, query.list(id), query.rules.layers, packet.t_far(i), instance, packet.primitive(i)))
       return false;
     packet.t_far(i) = lane.limit;
-    // The recomputation, soon, begins with the triangle's vertices.
+    // The hit is recomputed soon, from the triangle's vertices.
     __builtin_prefetch(query.table->instances[instance].triangles + packet.primitive(i));
     return true;
   });
@@ -104,7 +104,7 @@ inline bool note_on_list(LayerQuery& query, uint32_t i, const Candidate& candida
     query.listed |= 1u << i;
     query.start_lane(i);
     constexpr float infinity = std::numeric_limits<float>::infinity();
-    if (nearest.t[i] < infinity)  // there is one, unless this is the first and so far off that its limit overflows
+    if (nearest.t[i] < infinity)  // false only for a first candidate so far off that its limit overflows
       note_candidate(lane, query.list(i), 1, nearest.t[i], nearest.instance[i], nearest.primitive[i]);
     nearest.t[i] = -infinity;
   }

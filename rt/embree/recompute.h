@@ -127,8 +127,8 @@ RayBundle rays_beside(const Ray& ray, double offset);
 void decide_near_edges(const TraceTable& table, const RayBundle& rays, double offset,
                        std::span<const NamedTriangle> named, std::vector<Hit>& hits);
 
-// The verdict on a triangle that Embree named, by itself. open: the ray passes so close by an edge that only
-// decide_near_edges() can decide, with the offset that is set.
+// Decides whether a ray hits a triangle that Embree reported. open: the ray passes so close to an edge that
+// decide_near_edges() has to decide; `offset` is then set for it.
 enum class Meeting { hit, miss, open };
 Meeting decide_alone(const TraceTable& table, const Ray& ray, NamedTriangle named, Hit& hit, double& offset);
 

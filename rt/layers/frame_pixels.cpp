@@ -135,9 +135,9 @@ class Gatherer {
     if (pixel.layers > 0) pixels_.push_back(pixel);
   }
 
-  // Combines the masks of a cell's pixels (OR), as far as that is useful: where the traced pixel sees as far as (x, y),
-  // its own mask says already what its ray can hit. Where an opaque surface hides from it what (x, y) sees, the ray
-  // continues to the depth of (x, y), and the surfaces found there are donors.
+  // Lets the traced pixel of a cell also collect layers for (x, y). Only needed if (x, y) sees farther: then the ray
+  // goes on behind the opaque surface of its own pixel, to the depth of (x, y), with the larger of both layer counts. The
+  // surfaces found there serve neighbours only.
   void answer_for(uint32_t x, uint32_t y, PixelRequest& pixel) const {
     const uint32_t layers = wanted(x, y);
     if (layers == 0 || !sees_farther(x, y, pixel.x, pixel.y)) return;

@@ -33,8 +33,8 @@ class LayerSink {
   virtual void begin(std::span<const PixelRequest> pixels) = 0;
   // This is called before a pixel's next surface is made and shaded.
   virtual void expect(uint32_t /*pixel*/, uint32_t /*layer*/) {}
-  // Receives a pixel's next surface and the ray that hit it. `weight` is carried along to add(). Returns whether add()
-  // is wanted.
+  // Receives a pixel's next surface and the ray that hit it. Sets `weight`, which add() gets back. Returns whether the
+  // surface is to be shaded, and add() called.
   virtual bool meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met, glm::vec3& weight) = 0;
   // Receives its light, later, as many estimates as the shader makes. `layer` counts the pixel's surfaces from 0.
   virtual void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) = 0;

@@ -35,7 +35,7 @@ class AngleCull {
   void follow(const model::Snapshot& snapshot);
 
   std::vector<uint8_t> culled_;
-  model::Names names_;  // of the instances that culled_ is about
+  model::Names names_;  // of the instances in culled_, in its order
 };
 
 }  // namespace sideray::rt

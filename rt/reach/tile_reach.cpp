@@ -102,7 +102,7 @@ bool RayCells::meets(const ReachCube& cube, const model::Bounds& box) const {
   return farthest_out > 1.0f && is_marked<outer_side>(outer_.data(), outer_cells, low, high);
 }
 
-// What few pixels show, as the ground's farthest end, may lie outside.
+// Fits the inner cube to the depths, less outliers: what few pixels show (the far end of the ground) may lie outside.
 void TileReach::fit(const TraceView& view, uint32_t width, uint32_t height, const DepthImage& depth) {
   if (is_fit_ || !depth.texels) return;
   is_fit_ = true;

@@ -83,7 +83,7 @@ class Following {
 
   // The object that is alive on this thread, or null.
   static Following* now() { return now_; }
-  // Each takes rays from where they start to where they end. With `hits`, where they hit something.
+  // Record rays from start to end; with `hits`, only as far as they hit something.
   void follow(std::span<const Ray> rays, bool meet_sprites);
   void follow(const RayColumns& rays);
   void follow(std::span<const Ray> rays, const Hit* hits);

@@ -419,8 +419,8 @@ void RefractionTracer::advance(uint32_t i) {
     (*result_)[path.pixel].transmittance = path.through;
 }
 
-// Takes the path across a surface that it hit; returns false where nothing is there after all.
-// `is_lit`: the light that leaves the surface itself counts already.
+// Takes the path across a surface that it hit; returns false if the medium is the same on both sides.
+// `is_lit`: the light that leaves the surface itself has been added already.
 bool RefractionTracer::meets(uint32_t i, const Hit& hit, SurfacePoint* surface, bool is_lit) {
   const RefractionScene& scene = *context_->scene;
   const bool volume = scene.medium(hit.instance).volume;
@@ -504,8 +504,8 @@ void RefractionTracer::widen(const Path& path, const SurfacePoint& point, const 
   pixel.spread = ratio == 1.0f ? 1.0f : std::min(0.7f * std::abs(ratio - 1.0f), 1.0f);
 }
 
-// Sends the path, or as many as it is split into where it has not been split yet, in directions to which microfacets let
-// it through.
+// Continues the path in a random direction in which the microfacets refract it. A path of a reference that has not been
+// split yet is split into several.
 void RefractionTracer::scatter(uint32_t i, const SurfacePoint& point, const Crossing& crossing) {
   const bool splits = context_->exact && paths_[i].estimate == both_estimates;
   const Path whole = paths_[i];

@@ -46,7 +46,7 @@ struct FirstBend {
   uint32_t key;     // of its pixel, for random numbers
   uint32_t before;  // how many surfaces the ray hit before it
   RayReuse::Pixel pixel;
-  bool is_lit;      // the light of the surface itself is computed already, and left out
+  bool is_lit;      // the surface's own light has been added already
 };
 
 // Holds where a path ended that was followed for its way alone.
@@ -73,8 +73,8 @@ class RefractionTracer {
   static constexpr uint32_t most_events = 256;
   // A path from a first refraction hits at most this many surfaces, that one included.
   static constexpr uint32_t most_events_behind = 8;
-  // Exact rays leave the first rough surface that they pass in this many directions, half of them in each estimate;
-  // others, and those scattered already, in one.
+  // At its first rough surface a path of a reference splits into this many directions, half of them for each of the two
+  // estimates. At further rough surfaces, and in frames, it continues in one direction.
   static constexpr uint32_t scattered_paths = 8;
 
   // `shader` has begun. Refills `result`; adds what was done to `counters`. Other than complete: the shader did not
@@ -172,8 +172,8 @@ class RefractionTracer {
   PointShader* shader_ = nullptr;
   Counters* counters_ = nullptr;
   std::vector<RefractedPixel>* result_ = nullptr;
-  std::vector<PathEnd>* path_ends_ = nullptr;  // where paths are followed for their ways alone; otherwise null
-  std::vector<PathSurface>* path_surfaces_ = nullptr;  // likewise, where what they hit is wanted
+  std::vector<PathEnd>* path_ends_ = nullptr;  // output where paths are followed without shading; otherwise null
+  std::vector<PathSurface>* path_surfaces_ = nullptr;  // likewise, if the surfaces that they hit are asked for
   std::vector<Path> paths_;
   std::vector<uint32_t> active_, next_active_, pending_, group_, ends_;
   std::vector<Ray> rays_;

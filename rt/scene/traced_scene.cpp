@@ -29,7 +29,7 @@ void TracedScene::take(std::shared_ptr<const model::Snapshot> snapshot) {
   const bool culls_anew =
       cull_.update(*snapshot, options_.cull_angle_deg, options_.eye, executor_, options_.cull);
   if (!keeps_poses || culls_anew) {
-    // Where something throws there is no scene, and the next call tries again.
+    // If something below throws, there is no scene, and the next call builds it again.
     scene_.reset();
     committed_ = snapshot;
     stale_ = true;

@@ -52,7 +52,7 @@ class TracedScene {
   Executor executor_;
   Intersector intersector_;
   std::shared_ptr<const model::Snapshot> committed_;
-  FoliageOptions options_, taken_;  // as wanted, and as the scene has it
+  FoliageOptions options_, taken_;  // requested, and as committed to Embree
   bool stale_ = false;              // they differ
   bool glass_shadows_ = true;
   Foliage foliage_;

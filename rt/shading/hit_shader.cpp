@@ -27,8 +27,8 @@ bool bit(uint32_t bits, size_t i) {
   return (bits >> i & 1u) != 0;
 }
 
-// Returns the weight of light from the base's mirror direction in what the eye sees, with that of a coat that reflects
-// as the base does.
+// Returns the weight of the radiance in the base's mirror direction, with that of a coat that has the same mirror
+// direction.
 float mirror_share(const AroundBlock& a, size_t lane) {
   return a.share[lane] + (bit(a.alike, lane) ? a.coat_share[lane] : 0.0f);
 }

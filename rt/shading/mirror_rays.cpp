@@ -77,7 +77,7 @@ void MirrorRays::clear() {
 void MirrorRays::add(const SurfacePoint& p, uint32_t point, glm::vec3 origin, const Mirror& mirror) {
   if (mirrors(mirror)) {
     rays_.push_back({origin, 0.0f, mirror.direction, farthest});
-    // What a narrow lobe blurs in textures, its cone blurs.
+    // A narrow lobe is one mirror ray whose cone is wider, so that coarser mip levels blur what it shows.
     const float spread = mirror.narrow ? 2.0f * mirror.roughness * mirror.roughness : 0.0f;
     cones_.push_back({p.cone.width, p.cone.spread + spread});
   } else {
@@ -122,8 +122,8 @@ void MirrorRays::reflect(std::span<const SurfacePoint> points, glm::vec3* radian
   see_past(*rough);
 }
 
-// Adds to rough lobes what they see of the surroundings: all of each lobe, and the direction of those that hit nothing.
-// Its level is that of a narrower lobe, since the directions around are averaged.
+// Adds the environment to rough lobes: over the whole lobe, and in the direction of rays that hit nothing. The latter
+// is looked up as sharp as half the roughness has it, since the filter averages neighbouring directions.
 void MirrorRays::see_past(std::vector<RoughReflection>& rough) {
   constexpr float narrower = 0.5f;
   const bool black = scene_->snapshot->environment->black;

@@ -81,7 +81,7 @@ class MirrorRays {
 
   std::vector<HitPlace> hits_;            // secondary hits: opaque ones, then translucent ones
   std::vector<uint32_t> rays_of_points_;  // which ray hit each of hits_
-  std::vector<uint32_t> missed_;          // rays that hit nothing opaque; or whose surroundings are wanted all the same
+  std::vector<uint32_t> missed_;          // rays that need the environment: they hit nothing opaque, or are of rough lobes
   std::vector<EnvironmentPlace> places_;  // where they see the environment
   std::vector<glm::vec3> met_radiance_;
   std::vector<shading::SrBlend> blends_;  // of the translucent ones

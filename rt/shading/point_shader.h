@@ -22,7 +22,7 @@ struct RoughReflection {
   glm::vec3 weight;  // 0: nothing here depends on a random direction
   float roughness;   // perceptual; that of the lobe that reflects most
   float nearness;    // 1 / distance of what it reflects, averaged over what the ray hit; 0 = the environment
-  float spread = 1.0f;   // how widely the lobe spreads, as a share of a reflection's
+  float spread = 1.0f;   // width of the lobe, relative to that of a reflection of this roughness
   bool through = false;  // it is seen through the surface
   // If true, `radiance` is that of one direction also where it hit nothing, and `surroundings` is what the whole lobe
   // sees where nothing stands around. Otherwise a direction that hit nothing has all of the lobe's surroundings.

@@ -21,7 +21,7 @@ struct RayAnswer {
 // Holds the values of a point that need no rays.
 struct RayProspect {
   glm::vec3 offered;  // RayAnswer::offered
-  float share;  // of what the mirror direction shows, in what the eye sees; below least_mirror_share nothing is traced
+  float share;  // of the mirrored radiance in what the eye sees; below least_mirror_share nothing is traced
   // Its reflections need rays of their own: a coat mirrors by itself, or a rough lobe that counts is sampled by one
   // random direction a point, and a filter needs all of these.
   bool keeps_mirrors;

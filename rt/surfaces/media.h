@@ -38,10 +38,10 @@ inline glm::vec3 channels_of(Light light) {
   return {light == Light::red ? 1.0f : 0.0f, light == Light::green ? 1.0f : 0.0f, light == Light::blue ? 1.0f : 0.0f};
 }
 
-// Says what a surface that looks alike everywhere lets through, by the angle of the ray alone.
+// The transmittance of a surface without textures or vertex colours, tabulated over the angle of the ray.
 struct PlainGlass {
   static constexpr uint32_t steps = 256;  // of the cosine; linear between them, to 1e-4
-  std::vector<glm::vec3> through;         // what is left of light from the air or into it; empty: it is not plain
+  std::vector<glm::vec3> through;         // transmittance between air and the medium; empty: not plain
   glm::vec3 inner, edge;                  // StraightSurface's
   float cover;
 
@@ -67,8 +67,8 @@ struct RefractionScene {
   ShadingScene surfaces;
   std::vector<Medium> materials;
   model::Bounds tinting;  // of all instances that tint light
-  // Of each material, where instances that tint light have it: of solids, without absorption, and of others, with that of
-  // its thickness.
+  // By material, if an instance that tints light has it. plain_solid: of solids, whose absorption is added along the
+  // ray; plain_other: of all others, with the absorption of the material's thickness.
   std::vector<PlainGlass> plain_solid, plain_other;
   std::vector<uint8_t> bends;  // of each material: 1 = its surfaces bend light that comes from the air, or blur it
 

@@ -56,7 +56,7 @@ constexpr std::array<Target, model::material_slot_count> targets{{
     {0, 3, row_diffuse_transmission_color},
     {0, 1, row_iridescence},
     {1, 1, row_iridescence_thickness},
-    {0, 3, row_anisotropy_along, Use::normal},  // but for B, the strength
+    {0, 3, row_anisotropy_along, Use::normal},  // R and G; B is the strength
 }};
 static_assert(row_metallic + 1 == row_roughness);
 

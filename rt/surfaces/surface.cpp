@@ -248,7 +248,7 @@ SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray&
   }
   glm::vec4 vertex_color(1.0f);
   if (patch.mesh.has_colors) vertex_color = interpolate(patch.mesh.colors, patch.triangle, patch.weights);
-  // The fixed function looks at both apart.
+  // The fixed function combines texture and vertex colour by its own rules.
   if (patch.mesh.has_colors && !scene.snapshot->fixed) textures.texels.base_color *= vertex_color;
   // A solid absorbs once, where it is entered.
   if (patch.instance.solid && !hit.front) textures.texels.thickness = 0.0f;

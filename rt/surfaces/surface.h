@@ -26,7 +26,7 @@ struct ShadingScene {
   std::vector<shading::SrMaterial> materials;      // textures not applied
   std::vector<shading::SrFixedMaterial> fixed_materials;  // of a scene of the fixed function; else empty
   std::vector<FixedLightTerms> fixed_lights;              // likewise: those that shadow rays go to come first
-  std::vector<std::vector<TextureRead>> textures;  // those of each material
+  std::vector<std::vector<TextureRead>> textures;  // by material
   std::vector<shading::SrLight> lights;            // those that emit anything at all
   std::vector<uint32_t> light_numbers;             // their indices in the snapshot
   SceneRecords records;                            // the same for kernels

@@ -100,7 +100,7 @@ void store_point(const SurfacePoint& point, SurfaceBlock& block, size_t lane) {
 void make_solids(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
                  SurfaceBlock& block) {
   HitBlock places;
-  const HitPlace* solid = nullptr;  // any that is no sprite
+  const HitPlace* solid = nullptr;  // any hit that is not on a sprite
   for (const HitPlace& place : hits)
     if (!is_sprite(scene, place)) solid = &place;
   if (solid) {

@@ -35,7 +35,7 @@ void make_surfaces(const ShadingScene& scene, const ShadeKernels& kernels, std::
 void append_surfaces(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
                      std::vector<SurfacePoint>& points);
 
-// Holds shadow rays by component, with what their points gain where nothing blocks them. Its memory never shrinks.
+// Holds shadow rays by component, and the light that each adds to its point if unoccluded. Its memory never shrinks.
 class ShadowRays {
  public:
   size_t size() const { return count_; }
@@ -56,8 +56,8 @@ class ShadowRays {
   size_t count_ = 0;
 };
 
-// What arrives at a point from around it, beside lights: the light that other surfaces throw, as the radiance that a white matt
-// surface has by it, and the share of the sky's light that nothing hides.
+// Indirect light at a point: thrown = the radiance of a white diffuse surface lit by other surfaces alone; open = the
+// unoccluded share of the sky's light.
 struct ArrivingLight {
   glm::vec3 thrown{0.0f}, open{1.0f};
 };
@@ -96,9 +96,9 @@ class SurfaceBatch {
   // Returns whether anything of a point is matt.
   bool is_matt(size_t point) const;
   PointAround point_around(size_t point) const;
-  // Lets what is matt see what arrives in place of all of the sky.
+  // Replaces the unoccluded sky's irradiance of diffuse surfaces by what arrives.
   void let_arrive(std::span<const ArrivingLight> arriving);
-  // The same of what the mirror directions show, which reflect_environment() has filled.
+  // The same for the mirrored environment, which reflect_environment() has filled in.
   void let_arrive_in_mirrors(std::span<const ArrivingLight> arriving);
 
   // Lets the mirror directions show the prefiltered environment.

@@ -17,7 +17,7 @@ constexpr uint32_t guide_count = 1024;
 // Share of the draws that ignore the environment. They bound every weight: where the table is too low, since a normal
 // is not the middle of its cell, only noise grows (defensive sampling, Hesterberg 1995).
 constexpr double blind = 0.25;
-// Sine of the largest angle between a direction and a normal and those of their cells, about.
+// About the sine of the largest angle by which a direction and a normal differ from the middles of their cells.
 constexpr float doubt = 0.2f;
 
 // Returns a point of a face of the cube, whose coordinates along it are -1..1. Faces follow one another as +X, -X, +Y,

@@ -41,7 +41,7 @@ class SkyDirections {
 
   std::shared_ptr<const model::Environment> environment_;
   std::vector<Cell> cells_;
-  // Of surfaces with normals in one cell of a coarser cube, one after the other:
+  // Tables for drawing a cell, one for each cell of a coarser cube in which the surface's normal lies, concatenated:
   std::vector<float> shares_;     // cumulative, of the cells
   std::vector<uint16_t> guides_;  // the first cell that may be meant by a number in each of equal intervals
 };

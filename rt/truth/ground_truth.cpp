@@ -28,7 +28,7 @@ struct TruthWorker {
   std::vector<PathEnd> ends;         // of those
 };
 
-// A straight ray that shows where a path ends, for the paths that are bent.
+// A straight ray from the eye to the place where a bent path ends: it tells whether the place is visible directly.
 struct PlaceRay {
   size_t texel;
   uint32_t instance;  // that the path ended at, or no_instance

@@ -77,9 +77,12 @@ class Board:
         self.say("truths: " + ", ".join(f"{k} {v:.4f}" for k, v in apart.items()))
         return self.folder / "truth.png", shown["Sideray"]
 
-    def measure(self, programs):
+    def prepare(self):
         if not (self.folder / "scene.glb").is_file():
             copy_scene(self.source(), self.folder, self.setting)
+
+    def measure(self, programs):
+        self.prepare()
         truth, own = self.truths()
         for program in programs:
             path = self.folder / f"{program.file}.json"

@@ -1,4 +1,4 @@
-"""Writes the page of script/scoreboard from its results: Markdown, HTML, which has a table of each scene, and pictures."""
+"""Writes the page of script/scoreboard from its results: Markdown with the rows that pictures show, HTML with all figures, and pictures."""
 import html
 import json
 import math
@@ -11,9 +11,11 @@ BEGIN, END = "<!-- results: script/scoreboard --docs -->\n", "<!-- end of the re
 SHOWN = ("balanced", "best, 4 samples --gl none", "three.js", "VTK", "F3D", "pyrender", "MuJoCo classic", "MuJoCo Filament",
          "EEVEE, 4", "Cycles, 4, denoised", "Mitsuba, 16")
 
+IN_SHORT = {"raster look", "balanced --gl none", "paths, 4", *SHOWN}
+
 
 def collect(folder, settings, programs):
-    """{scene: {truth, programs}} of what was measured, and the counts of panes."""
+    """{scene: {truth, programs}} of what was measured, the counts of panes, and what flickers."""
     results = {}
     for setting in settings:
         path = folder / setting.name / "truth.json"
@@ -22,7 +24,8 @@ def collect(folder, settings, programs):
         records = [json.loads(file.read_text()) for p in programs if (file := folder / setting.name / f"{p.file}.json").is_file()]
         results[setting.name] = {**json.loads(path.read_text()), "programs": records}
     panes = [json.loads(file.read_text()) for file in sorted((folder / "panes").glob("*.json")) if file.stem != "stats"]
-    return {"scenes": results, "panes": panes}
+    dolly = {s.name: found for s in settings if (found := [json.loads(f.read_text()) for f in sorted((folder / f"dolly-{s.name}").glob("*.json"))])}
+    return {"scenes": results, "panes": panes, "dolly": dolly}
 
 
 def milliseconds(record, cores):
@@ -64,11 +67,22 @@ def table(head, rows):
     return "\n".join(["| " + " | ".join(head) + " |", "|---" * len(head) + "|", *("| " + " | ".join(row) + " |" for row in rows)]) + "\n"
 
 
-def summary_table(data, cores):
-    rows = [[bold(r, r["program"]), time_text(r["ms"]), number(r["flip"]),
-             *map(number, r["flips"]), f"{r['start']:.1f}", f"{r['peak']:.0f}"]
-            for r in sorted(summary_rows(data, cores), key=lambda r: r["ms"])]
-    return table(["program", "frame", "FLIP, mean", *data["scenes"], "start to picture, s", "memory, MB"], rows)
+def mean_text(row):
+    """The mean error; where not all scenes were drawn, of how many."""
+    drawn = [flip for flip in row["flips"] if flip is not None]
+    return f"{sum(drawn) / len(drawn):.3f}" + (f" ({len(drawn)})" if len(drawn) < len(row["flips"]) else "")
+
+
+def summary_table(data, cores, all_figures):
+    """All rows with the error in each scene, or those of the pictures with the mean error."""
+    rows = sorted(summary_rows(data, cores), key=lambda r: r["ms"])
+    if all_figures:
+        return table(["program", "frame", "FLIP, mean", *data["scenes"], "start to picture, s", "memory, MB"],
+                     [[bold(r, r["program"]), time_text(r["ms"]), number(r["flip"]), *map(number, r["flips"]), f"{r['start']:.1f}",
+                       f"{r['peak']:.0f}"] for r in rows])
+    return table(["program", "frame", "FLIP, mean", "start to picture, s", "memory, MB"],
+                 [[bold(r, r["program"]), time_text(r["ms"]), mean_text(r), f"{r['start']:.1f}", f"{r['peak']:.0f}"]
+                  for r in rows if r["program"] in IN_SHORT])
 
 
 def number(value):
@@ -85,41 +99,62 @@ def scene_table(scene, cores):
 
 
 def panes_table(panes):
-    rows = [[bold(p, p["program"]), *(str(p[k]) for k in ("right", "order", "lost", "other"))] for p in sorted(panes, key=lambda p: -p.get("right", 0)) if "right" in p]
-    return table(["program", "right", "another order", "a layer lost", "other colours"], rows)
+    """A row for all programs with the same counts."""
+    rows = {}
+    for record in sorted((p for p in panes if "right" in p), key=lambda p: -p["right"]):
+        rows.setdefault(tuple(str(record[k]) for k in ("right", "order", "lost", "other")), []).append(bold(record, record["program"]))
+    return table(["programs", "right", "another order", "a layer lost", "other colours"], [["; ".join(names), *counts] for counts, names in rows.items()])
 
 
-def truths_table(data):
+def dolly_table(dolly):
+    """A row a program: in each scene by how much the error changes from frame to frame, times 10^4."""
+    measured_ = {scene: {r["program"]: r for r in records if "flicker" in r} for scene, records in dolly.items()}
+    programs = {name: record for records in measured_.values() for name, record in records.items()}
+    energy = {name: [of[name]["flicker_of_error"] if name in of else None for of in measured_.values()] for name in programs}
+    order = sorted(programs, key=lambda name: [e for e in energy[name] if e is not None][0])
+    rows = [[bold(programs[name], name), *("" if e is None else f"{1e4 * e:.1f}" for e in energy[name])] for name in order]
+    return table(["program", *measured_], rows)
+
+
+def truths_table(data, all_figures):
     """What each scene is, what made its truth, and how far path tracers are apart."""
-    pairs = list(dict.fromkeys(pair for scene in data["scenes"].values() for pair in scene["apart"]))
+    pairs = list(dict.fromkeys(pair for scene in data["scenes"].values() for pair in scene["apart"])) if all_figures else []
     rows = [[f"`{name}`", scene["what"], scene["truth"].replace(":", " ").replace(",", ", "),
              *(number(scene["apart"].get(pair)) for pair in pairs), number(scene["own_to_truth"])]
             for name, scene in data["scenes"].items()]
-    return table(["scene", "", "truth, samples", *(f"FLIP of {pair}" for pair in pairs), "Sideray to the truth"], rows)
+    return table(["scene", "", "truth, samples", *(f"FLIP of {pair}" for pair in pairs), "FLIP of Sideray's paths"], rows)
 
 
 def versions(data, programs):
     """A line a family: what was measured, what it cannot draw."""
-    seen = {r["family"]: r for s in data["scenes"].values() for r in measured(s)}
+    seen = {}
+    for record in (r for s in data["scenes"].values() for r in measured(s)):
+        seen.setdefault(record["family"], set()).add(record["version"])
     for family in dict.fromkeys(p.family for p in programs):
         of = [p for p in programs if p.family == family]
-        version = f"{seen[family]['version']}" if family in seen else "not measured"
+        version = ", ".join(sorted(seen.get(family, ()))) or "not measured"
         lacks = next((p.lacks for p in of if p.lacks), "")
         yield [family, version, lacks or "nothing of these scenes"]
 
 
-def markdown(data, programs, cores, machine, with_scene_tables):
+def markdown(data, programs, cores, machine, all_figures):
     parts = [f"{machine}; pictures of {next(iter(data['scenes'].values()))['size']}.\n",
-             "## All scenes\n", "A row's time is the geometric mean over the scenes that the program drew.\n", summary_table(data, cores),
-             "## Scenes and truths\n", truths_table(data)]
+             "## All scenes\n", "Times are geometric means over the scenes that the program drew.\n" if all_figures else
+             "Times are geometric means over the scenes that the program drew; (5) means five of six.\n",
+             summary_table(data, cores, all_figures), "## Scenes and truths\n", truths_table(data, all_figures)]
     for name, scene in data["scenes"].items():
-        parts += [f"## {name}\n", f"![{name} as each program draws it](images/scoreboard-{name}.jpg)\n"]
-        parts += [scene_table(scene, cores)] if with_scene_tables else []
+        parts += [f"## {name}\n"] if all_figures else []
+        parts += [f"![{name}](images/scoreboard-{name}.jpg)\n"]
+        parts += [scene_table(scene, cores)] if all_figures else []
     if data["panes"]:
         stacks = next(p["stacks"] for p in data["panes"] if "stacks" in p)
-        parts += ["## Stacks of panes\n", f"{stacks} stacks of four unlit panes, half transparent; in half of them each pane is an object, in "
+        parts += ["## Stacks of panes\n", f"{stacks} stacks of four unlit panes, half transparent: in half of them each pane is an object, in "
                   "the others all four are one primitive. A stack is right if its middle has the colour that the order of the panes gives, blended "
                   "as light or as display values.\n", panes_table(data["panes"])]
+    if data["dolly"]:
+        parts += ["## While the camera moves\n", "A dolly of 12 frames of 240x135. `flicker_of_error` ([cli.md](cli.md#chart)) times 10^4: what changes from "
+                  "frame to frame otherwise than in the truth, which is Cycles with 64 samples, denoised. Each frame is drawn by itself; \"a "
+                  "sequence\" has Sideray's history.\n", dolly_table(data["dolly"])]
     parts += ["## Programs\n", table(["program", "version", "cannot draw"], versions(data, programs))]
     return "\n".join(parts)
 

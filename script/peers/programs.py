@@ -110,8 +110,7 @@ class Sideray(Program):
 
 class Three(Program):
     family, install = "three.js", "apt-get install nodejs npm chromium; npm install --prefix FOLDER three puppeteer-core"
-    lacks = ("glass behind glass (transmission shows a second drawing of what is opaque), shadows by glass, ambient occlusion, "
-             "reflections of the scene")
+    lacks = "glass behind glass, shadows by glass, ambient occlusion, reflections of the scene"
 
     def __init__(self, folder):
         super().__init__("three.js")
@@ -161,15 +160,13 @@ def has_module(python, module):
 
 class Vtk(Scripted):
     family, install, script, module, sky_name = "VTK", "pip install vtk", "vtk_frames.py", "vtk", "turned"
-    lacks = ("refraction (glass is given an alpha of 0.25 and a tint), shadows, ambient occlusion, reflections of the scene, "
-             "emissive strength")
+    lacks = ("refraction (glass has an alpha of 0.25 and a tint), shadows, ambient occlusion, reflections of the scene, emissive strength")
 
 
 class F3d(Scripted):
     family, install, script, module, sky_name = "F3D", "pip install f3d", "f3d_frames.py", "f3d", "turned"
     scene = "dimmed"
-    lacks = ("glass (transmissive surfaces are opaque), shadows, falloff of lamps (those of more than 2 candela are dimmed to 2), "
-             "reflections of the scene")
+    lacks = "glass (it is opaque), shadows, falloff of lamps (they are dimmed to 2 candela), reflections of the scene"
 
 
 class Blender(Scripted):
@@ -194,20 +191,20 @@ class Mitsuba(Scripted):
 
 class Pyrender(Scripted):
     family, install, script, module = "pyrender", "pip install pyrender", "pyrender_frames.py", "pyrender"
-    lacks = ("refraction (glass is given an alpha of 0.25 and a tint), an order of what is translucent within an object, the sky as "
-             "light (it is a constant one), shadows of point lights")
+    lacks = ("refraction (as VTK), an order of what is translucent within an object, the sky as light (it is constant), shadows of "
+             "point lights")
 
 
 class Mujoco(Scripted):
     family, install, script, module = "MuJoCo", "pip install mujoco", "mujoco_frames.py", "mujoco"
-    lacks = ("materials beyond a texture and a highlight, alpha from textures, refraction (glass is given an alpha of 0.25 and a "
-             "tint), the sky as light (it is a constant one), light as linear numbers")
+    lacks = ("materials beyond a texture and a highlight, alpha from textures, refraction (as VTK), the sky as light (it is constant), "
+             "light as linear numbers")
 
 
 class Filament(Scripted):
     family, install, script, module = "Filament", "pip install mujoco (4.0); apt-get install xvfb xauth", "filament_frames.py", "mujoco._render_filament"
     before = ("xvfb-run", "-a")  # opens a display even where it draws into memory
-    lacks = ("refraction (MuJoCo's materials have none: glass is given an alpha of 0.25 and a tint), the sky as light")
+    lacks = "refraction (MuJoCo's materials have none), the sky as light"
 
 
 LOOK = ["--translucency", "raster", "--shadows", "map", "--ambient", "off", "--reflections", "off"]
@@ -237,12 +234,12 @@ def panes_programs(sideray, there):
     return [Sideray(sideray, "balanced --oit abuffer", ["--oit", "abuffer"]), *(p for p in there if p.name in kinds)]
 
 
-def tracer_of(folder, sideray, tracer, samples):
+def tracer_of(folder, sideray, tracer, samples, seed="7"):
     """The program that draws a truth: a path tracer with many samples, 'Cycles', 'Mitsuba' or 'Sideray'."""
     if tracer == "Sideray":
         return Sideray(sideray, "paths", ["--reference", "--bounces", "unlimited", "--caustics", "on", "--samples", str(samples),
-                                          "--light-samples", "8", "--seed", "7"], reference=True)
-    pythons, words = [str(folder / "bin" / "python3"), sys.executable], ["--samples", str(samples), "--seed", "7"]
+                                          "--light-samples", "8", "--seed", seed], reference=True)
+    pythons, words = [str(folder / "bin" / "python3"), sys.executable], ["--samples", str(samples), "--seed", seed]
     found = Mitsuba(tracer, pythons, [*words, "--robust"]) if tracer == "Mitsuba" else Cycles(tracer, pythons, [*words, "--denoise"])
     if not found.is_there():
         raise Failure(f"{tracer} is not there: {found.install}")

@@ -20,6 +20,7 @@ class Setting:
     exposure: float = 0  # stops
     truth: str = "Cycles:128,Mitsuba:512"  # tracers and their samples a pixel
     own_samples: int = 32  # positions of Sideray's own paths
+    dolly: tuple = ()  # by how much the camera moves in a frame of --dolly, right, up and back
     width: int = 480
     height: int = 270
 
@@ -31,10 +32,11 @@ SETTINGS = [
     Setting("attenuation", "AttenuationTest/AttenuationTest.glb", "bodies of blue glass before a board", eye=(0, 0, 22),
             target=(0, 0, 0), sky=STUDIO, exposure=1, truth="Cycles:128,Mitsuba:1024"),
     Setting("cup", "CupAndWater/CupAndWater.glb", "a cup of water and a straw", eye=(0.2, 0.25, 0.35), target=(0, 0.09, 0), fov=40,
-            sky=STUDIO, exposure=1, thickness={"Cup_doubleSided": 0.004, "Water_doubleSided": 0.06}),
+            sky=STUDIO, exposure=1, thickness={"Cup_doubleSided": 0.004, "Water_doubleSided": 0.06}, dolly=(0.003, 0, -0.002)),
     Setting("table", "GlassTable/GlassTable.glb", "a table of dark glass", eye=(2.6, 2.3, 3.6), target=(0, 0.5, 0), fov=35, sky=STUDIO,
             exposure=1.5),
-    Setting("forest", "forest", "trees, bushes and grass in the sun", camera="clearing", truth="Cycles:64", own_samples=8),
+    Setting("forest", "forest", "trees, bushes and grass in the sun", camera="clearing", truth="Cycles:64", own_samples=8,
+            dolly=(0.06, 0, -0.04)),
     Setting("theater", "HomeTheater/HomeTheater.gltf", "a furnished room lit by three lamps", eye=(0.3, 0.2, 2.2), target=(0, -0.4, -2),
             fov=65, sky="none", truth="Cycles:128,Mitsuba:256", lamps=(((0, 1.2, -1), 4), ((-1.5, 1.2, 1), 3), ((1.5, 1.2, 1), 3))),
 ]

@@ -15,6 +15,7 @@ import argparse
 import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
 
@@ -23,35 +24,31 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 # What somebody sees, why, what to choose, and the measures that tell: a case, and the variants that the choice is about
 # ("" = those of the default).
 SYMPTOMS = [
-    ("My glass flickers at a distance", "panes lie closer together, relative to their distance, than a fragment tells layers "
-     "apart, and which layer it takes changes from pixel to pixel", "a surface id for each surface and `--diagnose match=id`, the default; "
-     "not `--diagnose match=distance`, and `--diagnose match=nearest` only where surfaces have no ids", ["match-distance", "match-gap"]),
-    ("My glass, or a shadow, flickers at rest", "one random direction a pixel, new in each frame", "`--denoise on` and `--taa on`, "
-     "the defaults of sequences, together: each alone still shows noise", ["settling"]),
+    ("My glass flickers at a distance", "panes are closer together than a fragment tells layers apart", "a surface id for each surface and "
+     "`--diagnose match=id`, the default; `match=nearest` only where surfaces have no ids", ["match-distance", "match-gap"]),
+    ("My glass, or a shadow, flickers at rest", "one random direction a pixel, new in each frame", "`--denoise on` and `--taa on` together, "
+     "the defaults of sequences", ["settling"]),
     ("A pane shows the colours of the pane behind it", "the threshold on distances is wider than the gap", "`--diagnose match=id`; a larger near "
      "plane does not help", ["match-gap", "match-near", "match-incidence"]),
     ("The third pane, or a thin wall, is missing", "listing 50-1 adds distances up, and a ray that starts again misses or hits twice",
-     "`--diagnose step=multihit`, the default, or `retrace`; not `listing`", ["layer-gap", "layer-count", "ray-layers"]),
-    ("Panes in one plane fight", "no distance tells them apart", "`--diagnose step=multihit`: they come in the order of their ids", ["coplanar"]),
-    ("Layers are lost on scaled or mirrored objects", "distances in object space are taken for those of the world", "`--diagnose step=multihit`",
+     "`--diagnose step=multihit`, the default, or `retrace`", ["layer-gap", "layer-count", "ray-layers"]),
+    ("Panes in one plane fight", "no distance tells them apart", "`step=multihit`: they come in the order of their ids", ["coplanar"]),
+    ("Layers are lost on scaled or mirrored objects", "distances in object space are taken for those of the world", "`step=multihit`",
      ["instance-scale"]),
-    ("Things far from the origin jitter or lose layers", "floats have 24 bits", "nothing: positions are kept in double, and local to the scene's "
-     "middle", ["world-offset"]),
-    ("A plain floor has specks of shadow", "the ray starts where the depth buffer says, which is rounded", "nothing in this program; a host with its "
+    ("Things far from the origin jitter or lose layers", "floats have 24 bits", "nothing: positions are kept in double precision", ["world-offset"]),
+    ("A plain floor has specks of shadow", "the depth at which the ray starts is rounded", "nothing in this program; a host with its "
      "own depth moves the start by half a step of its format and 2^-21 z toward the eye", ["self-shadow", "depth-format"]),
-    ("Plants in the wind shadow themselves", "rays hit the plant where it is at rest", "`--inexact restpose`, the default: exact rays with "
-     "`--poses rest` are the worst, `bounded` and `tmin` fail too", ["wind-gap"]),
+    ("Plants in the wind shadow themselves", "rays hit the plant at rest", "`--inexact restpose`, the default; `bounded` and `tmin` fail too",
+     ["wind-gap"]),
     ("Things float: shadows are missing where they touch the ground", "the inexact test leaves out what is close to the ray's start",
-     "`--inexact restpose`, or `--diagnose inexact-target` so that the ground does not take the test; not `tmin`", ["contact"]),
-    ("Leaves cast too much or too little shadow", "a texel of a shadow map is larger than a leaf", "`--shadows exact` or `inexact` instead of `map`",
+     "`--inexact restpose`, or `--diagnose inexact-target` so that the ground does not take the test", ["contact"]),
+    ("Leaves cast too much or too little shadow", "a texel of a shadow map is larger than a leaf", "`--shadows exact` or `inexact`",
      ["leaves"]),
-    ("A shadow trails behind what casts it", "denoising and anti-aliasing average over frames", "`--taa off` where ghosts matter more than edges; "
-     "`--denoise off` changes little", ["settling"]),
-    ("Glass that moves shows colours of where it was", "a host takes layers a frame late", "`sideray_translucent_moving` instead of "
-     "`sideray_translucent`", ["late-glass"]),
+    ("A shadow trails behind what casts it", "denoising and anti-aliasing average over frames", "`--taa off` where ghosts matter more than edges",
+     ["settling"]),
+    ("Glass that moves shows colours of where it was", "a host takes layers a frame late", "`sideray_translucent_moving`", ["late-glass"]),
     ("A room glows behind a thin wall, or light trails behind a lamp or a door", "light that bounces is shared by pixels and kept over frames",
-     "`--ambient bounce`, the default, which asks by rays what stands between; `--ambient ao` has less noise and no light of other surfaces",
-     ["bounce"]),
+     "`--ambient bounce`, the default, whose rays ask what stands between; `ao` lacks the light of other surfaces", ["bounce"]),
     ("A mesh with broken triangles lets rays through", "degenerate or non-finite triangles", "nothing: they are dropped, and the rest stays",
      ["broken-triangles"]),
 ]
@@ -125,6 +122,10 @@ def measure(program, folder, environment, full, cases):
     return judged(rows), {c: m[0] for c, m in ended.items() if m}
 
 
+def fails(said):
+    return said not in ("holds", "not run")
+
+
 def grouped(rows):
     """{(case, measure, variant): rows}, in the order of the file."""
     table = {}
@@ -139,8 +140,7 @@ def verdict(rows):
     failed = [row for row in rows if not row["pass"]]
     if not failed:
         return "holds"
-    worst = max(row["value"] for row in failed)
-    return f"**{len(failed)} of {len(rows)} fail**, worst {worst:.3g}"
+    return f"{len(failed)} of {len(rows)}, {max(row['value'] for row in failed):.3g}"
 
 
 def merged(names, tables):
@@ -190,39 +190,48 @@ def limit_of(bounds):
 
 
 def verdicts(key, groups):
-    """What a variant does in each column; said once where columns agree. Empty where it holds wherever it was run."""
+    """How a variant fails in each column; said once where columns agree. Empty where it holds wherever it was run."""
     columns = {}
     for names, table in groups:
         if key in table:
             columns.setdefault(verdict(table[key]), []).append(names[0].split(",")[0])
-    if not any("fail" in said for said in columns):
+    if not any(map(fails, columns)):
         return ""
     everywhere = [names[0].split(",")[0] for names, _ in groups]
     return "; ".join(said if names == everywhere else f"{', '.join(names)}: {said}" for said, names in columns.items())
 
 
+def counted(measured, bounds):
+    """What is counted, and the bound where it is not 0. Most are shares."""
+    limit = limit_of(bounds)
+    return measured.removesuffix(", share") + (f" ({limit})" if limit != "0" else "")
+
+
+def variant_name(variant):
+    return f"`{variant.replace('--diagnose ', '')}`"
+
+
 def case_lines(groups, defaults, bounds):
     """A row for each case and measure that some variant fails, and the measures that none fails."""
-    yield "Variants that are not named hold."
+    yield "Shares; the bound is 0, or stands in brackets. A variant that fails has the number of values that fail, and the worst. All others hold."
     yield ""
-    yield "| case | counted | bound | fails |"
-    yield "|---|---|---|---|"
+    yield "| case | counted | fails |"
+    yield "|---|---|---|"
     keys = list(dict.fromkeys(key for _, table in groups for key in table))
-    unfailed = []
+    unfailed = {}
     for case, measured in sorted(dict.fromkeys(key[:2] for key in keys), key=lambda pair: pair[0]):
         failing = []
         for key in (key for key in keys if key[:2] == (case, measured)):
-            name = f"`{key[2].replace('--diagnose ', '')}`{' (default)' if (case, key[2]) in defaults else ''}"
             said = verdicts(key, groups)
             if said:
-                failing.append(f"{name}: {said}")
-        limit = limit_of(bounds[case, measured])
+                failing.append(f"{variant_name(key[2])}{' (default)' if (case, key[2]) in defaults else ''}: {said}")
+        what = counted(measured, bounds[case, measured])
         if failing:
-            yield f"| {case} | {measured} | {limit} | {'<br>'.join(failing)} |"
+            yield f"| {case} | {what} | {'<br>'.join(failing)} |"
         else:
-            unfailed.append(f"- {case}: {measured} (bound {limit})")
+            unfailed.setdefault(case, []).append(what)
     if unfailed:
-        yield from ("", "No variant fails:", "", *unfailed)
+        yield from ("", "No variant fails:", "", *(f"- {case}: {'; '.join(what)}" for case, what in unfailed.items()))
     yield ""
 
 
@@ -230,8 +239,7 @@ def other_machines(devices):
     if not devices:
         return ["There is no column of a hardware driver (NVIDIA, AMD, Intel): this page was made on a machine without one, and no",
                 "results of another were brought to it."]
-    listed = "; ".join(f"{name}: {device}" for name, device in devices.items())
-    return [f"Columns brought from other machines, by the same cases: {listed}."]
+    return [f"Measured elsewhere, by the same cases: {'; '.join(devices.values())}."]
 
 
 def page(groups, defaults, ended, command, size, devices):
@@ -240,10 +248,10 @@ def page(groups, defaults, ended, command, size, devices):
         for key, rows in table.items():
             bounds.setdefault(key[:2], []).extend(row["bound"] for row in rows)
     lines = ["# Robustness atlas", "",
-             "Where methods break, and what to choose. Find what you see in the first table; the second has the counts behind it.",
+             "Where methods break, and what to choose.",
              "", f"Written by `{command}` from [`sideray stress`](cli.md#stress), {size}.",
-             "A case sweeps one value until methods break and counts errors against a closed form or an exact oracle; a method holds",
-             "if every value is within the bound. NAME=VALUE is of `--diagnose`; listings are those of the chapter, as printed.", "",
+             "A case sweeps one value and counts errors against a closed form or an exact oracle; a method holds if every value is within the",
+             "bound. NAME=VALUE is of `--diagnose`; listings are those of the chapter, as printed.", "",
              f"Drivers: {'; '.join(title(names) for names, _ in groups)}.",
              *other_machines(devices), "", "## What you see, and what to choose", ""]
     lines += list(symptom_lines(groups, defaults))
@@ -254,30 +262,37 @@ def page(groups, defaults, ended, command, size, devices):
     return "\n".join(lines).rstrip() + "\n"
 
 
-def alone_lines(program, results, full):
-    """A row for each case: whether the defaults hold without OpenGL, and what fails."""
+def counts_of(text):
+    """{(case, what is counted, variant): how it fails} of the page's table."""
+    rows = re.findall(r"^\| ([\w-]+) \| ([^|]+) \| (`[^|]+) \|$", text[text.index("## Counts"):], re.MULTILINE)
+    found = {}
+    for case, what, cell in rows:
+        for variant in cell.split("<br>"):
+            name, said = re.fullmatch(r"(`[^`]+`)(?: \(default\))?: (.*)", variant).groups()
+            found[case, re.sub(r" \([\d. to]+\)$", "", what), name] = said
+    return found
+
+
+def alone_lines(program, results, full, text):
+    """What rays alone do otherwise than the page's counts say."""
     environment = {"SIDERAY_GL": "none"}
     rows, ended = measure(program, results / ALONE, environment, full, [])
     listed = subprocess.run([program, "stress", "--list"], capture_output=True, text=True, check=True).stdout
+    cases = [line.split()[0] for line in listed.splitlines()]
+    meaningless = [case for case in cases if not any(row["name"] == case for row in rows) and case not in ended]
+    table, defaults, others = grouped(rows), defaults_of(rows), counts_of(text)
+    failing = sorted({case for (case, _, variant), of in table.items() if (case, variant) in defaults and fails(verdict(of))})
+    differ = []
+    for (case, measured, variant), of in table.items():
+        said, other = verdict(of), others.get((case, counted(measured, [0]), variant_name(variant)), "holds")
+        if said != other and (case, variant) not in defaults:
+            differ.append(f"{variant_name(variant)} of {case} ({said})")
     yield ALONE_HEAD
     yield ""
-    cases = [line.split()[0] for line in listed.splitlines()]
-    of_case = {case: [row for row in rows if row["name"] == case] for case in cases}
-    meaningless = [case for case in cases if not of_case[case] and case not in ended]
-    failing = [case for case in cases if "fail" in verdict([row for row in of_case[case] if row.get("default")])]
-    yield "The same cases with `--gl none`, whose values have the same bits for each instruction set. In wind-gap and contact the default stands for"
-    yield f"all tests: nothing is inexact where rays find what is seen. {', '.join(meaningless)} have no meaning: no fragment looks for layers."
-    yield f"The defaults {'fail in ' + ', '.join(failing) if failing else 'hold in all cases'}. Other methods that fail (counted as below):"
-    yield ""
-    yield "| case | method | fails |"
-    yield "|---|---|---|"
-    for case in cases:
-        failed = {}
-        for (_, _, variant), of in grouped(of_case[case]).items():
-            if "fail" in verdict(of) and not of[0].get("default"):
-                failed.setdefault(variant.replace("--diagnose ", ""), []).append(verdict(of))
-        for variant, verdicts_of_it in failed.items():
-            yield f"| {case} | `{variant}` | {'; '.join(verdicts_of_it)} |"
+    yield "With `--gl none` values have the same bits for each instruction set. In wind-gap and contact nothing is inexact, since rays find what is"
+    yield f"seen; {', '.join(meaningless)} have no meaning, since no fragment looks for layers."
+    yield f"The defaults {'fail in ' + ', '.join(failing) if failing else 'hold in all cases'}. Other methods fail as counted below" + (
+        f", except {', '.join(differ)}." if differ else ".")
     yield ""
     if ended:
         yield "; ".join(f"{case}: {message}" for case, message in ended.items()) + "."
@@ -305,9 +320,13 @@ def main():
     parser.add_argument("--cases", default="")
     parser.add_argument("--without-gl", action="store_true")
     given = parser.parse_args()
-    path, alone = pathlib.Path(given.page), list(alone_lines(given.program, pathlib.Path(given.results), given.full))
+    path = pathlib.Path(given.page)
+
+    def completed(text):
+        return with_section(text, alone_lines(given.program, pathlib.Path(given.results), given.full, text))
+
     if given.without_gl:
-        return path.write_text(with_section(path.read_text(), alone))
+        return path.write_text(completed(path.read_text()))
     results, cases = pathlib.Path(given.results), [case for case in given.cases.split(",") if case]
     names, tables, defaults, ended, devices = [], [], set(), [], {}
     for name, environment in columns():
@@ -322,7 +341,7 @@ def main():
         defaults |= defaults_of(rows)
     command = "script/tables/robustness.py" + (" --full" if given.full else "")
     size = "pictures of 96x54 pixels" if given.full else "`--quick`: few values, pictures of 48x27 pixels"
-    return path.write_text(with_section(page(merged(names, tables), defaults, ended, command, size, devices), alone))
+    return path.write_text(completed(page(merged(names, tables), defaults, ended, command, size, devices)))
 
 
 if __name__ == "__main__":

@@ -53,12 +53,12 @@ class CacheTextures {
   Storage now_, next_;
   bool stale_ = false;
   RadianceTable radiance_table_;
-  std::vector<uint16_t> encoded_radiance_;  // as the cache's, where the encoding changes it
+  std::vector<uint16_t> encoded_radiance_;  // the cache's radiance, encoded for the host
   std::vector<float> encoded_ids_;
   void add_whole(const gl::Functions& gl, const rt::LayerCache& cache, const Storage& to,
                  const std::vector<uint8_t>& dirty, rt::Executor& executor, std::vector<TexturePiece>& pieces);
 
-  std::vector<uint8_t> tile_layers_;  // that the textures hold something in
+  std::vector<uint8_t> tile_layers_;  // by tile: how many layers of the textures are not empty
   std::vector<uint8_t> tile_whole_;   // 1 = the textures hold whole pixels there
   TextureUpload upload_;
 };

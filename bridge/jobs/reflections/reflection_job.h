@@ -11,7 +11,7 @@ class ReflectionJob final : public LightJob<sideray_reflection_outputs, rt::Olde
   uint32_t bit() const override { return SIDERAY_JOB_REFLECTIONS; }
   void check(const gl::Functions& gl, const FrameInputs& inputs, const model::Snapshot& snapshot) const override;
   TextureReads texture_reads(const FrameInputs& inputs) const override;
-  // Half where layers come after it.
+  // Half of the remaining budget if layers are traced after this job.
   double share_of_time(const FrameInputs& inputs) const override { return inputs.layers ? 0.5 : 1.0; }
   rt::Counters trace(const JobFrame& frame, const TraceInput& input) override;
 
