@@ -18,17 +18,36 @@ Kind kind_of(const std::string& name) {
 }
 
 [[noreturn]] void refuse(const std::string& where, const std::string& what) {
-  throw std::runtime_error(where + ": " + what + "; a line is KIND texture|mesh HASH [reflectance=0..1], KIND one of glass, "
-                           "water, mirror, sky, opaque, ignore");
+  throw std::runtime_error(where + ": " + what + "; a line is KIND texture|mesh HASH [reflectance=0..1] [ior=1..4] [shade=0..1], KIND "
+                           "one of glass, water, mirror, sky, opaque, ignore, or it is sun light 0..7");
 }
 
-float reflectance_of(const std::string& word, const std::string& where) {
-  const std::string key = "reflectance=";
-  if (!word.starts_with(key)) refuse(where, "\"" + word + "\" is not known");
-  char* end = nullptr;
-  const float value = std::strtof(word.c_str() + key.size(), &end);
-  if (*end != 0 || end == word.c_str() + key.size() || !(value >= 0 && value <= 1)) refuse(where, "\"" + word + "\" is not within 0 to 1");
-  return value;
+// An option of a rule, and what it may be.
+struct Option {
+  const char* name;
+  float Rule::*value;
+  float least, most;
+};
+constexpr std::array<Option, 3> options = {{{"reflectance", &Rule::reflectance, 0, 1}, {"ior", &Rule::ior, 1, 4}, {"shade", &Rule::shade, 0, 1}}};
+
+void set_option(Rule& rule, const std::string& word, const std::string& where) {
+  const size_t equals = word.find('=');
+  for (const Option& option : options) {
+    if (word.substr(0, equals) != option.name || equals == std::string::npos) continue;
+    const char* text = word.c_str() + equals + 1;
+    char* end = nullptr;
+    const float value = std::strtof(text, &end);
+    if (*end != 0 || end == text || !(value >= option.least && value <= option.most)) refuse(where, "\"" + word + "\" is out of range");
+    rule.*option.value = value;
+    return;
+  }
+  refuse(where, "\"" + word + "\" is not known");
+}
+
+// Options that would do nothing are mistakes.
+void check(const Rule& rule, const std::string& where) {
+  if (rule.ior != 1 && rule.kind != Kind::glass && rule.kind != Kind::water) refuse(where, "ior is of glass and water alone");
+  if (rule.shade >= 0 && rule.kind != Kind::opaque) refuse(where, "shade is of opaque alone");
 }
 
 }  // namespace
@@ -55,16 +74,24 @@ void Rules::add(const std::string& line, const std::string& where) {
   std::istringstream words(line);
   std::string kind, of, hash, option;
   if (!(words >> kind)) return;
+  words >> of >> hash;
+  if (kind == "sun") return add_sun(of, hash, where);
   Rule rule;
   rule.kind = kind_of(kind);
   if (rule.kind == Kind::unknown) refuse(where, "\"" + kind + "\" is no kind");
-  if (!(words >> of >> hash) || (of != "texture" && of != "mesh")) refuse(where, "it does not say of what");
+  if (hash.empty() || (of != "texture" && of != "mesh")) refuse(where, "it does not say of what");
   char* end = nullptr;
   const uint64_t value = std::strtoull(hash.c_str(), &end, 16);
   if (*end != 0 || hash.size() != 16) refuse(where, "\"" + hash + "\" is no hash of sixteen digits");
   rule.reflectance = usual_reflectance(rule.kind);
-  while (words >> option) rule.reflectance = reflectance_of(option, where);
+  while (words >> option) set_option(rule, option, where);
+  check(rule, where);
   (of == "texture" ? textures_ : meshes_)[value] = rule;
+}
+
+void Rules::add_sun(const std::string& of, const std::string& number, const std::string& where) {
+  if (of != "light" || number.size() != 1 || number[0] < '0' || number[0] > '7') refuse(where, "it does not say which light");
+  sun_ = number[0] - '0';
 }
 
 Rule Rules::find(uint64_t texture, uint64_t mesh) const {
