@@ -31,6 +31,10 @@ void normalize_normals(std::vector<Vertex>& vertices) {
   }
 }
 
+sideray_wrap wrap_of(GLint mode) {
+  return mode == GL_REPEAT ? SIDERAY_REPEAT : mode == GL_MIRRORED_REPEAT ? SIDERAY_MIRROR : SIDERAY_CLAMP;
+}
+
 sideray_attribute attribute(const float* data) {
   return {data, sizeof(Vertex)};
 }
@@ -72,9 +76,10 @@ void TracedScene::drop_old() {
   drop(textures_, [this](sideray_texture name) { scene_.remove_texture(name); });
 }
 
-sideray_mesh TracedScene::mesh(const SceneDraw& draw) {
+sideray_mesh TracedScene::mesh(const SceneDraw& draw, bool colored) {
   const DrawState& state = *draw.state;
-  const bool lit = state.lighting, colored = state.shows_colors() && !state.shows_texture_alone();
+  const bool lit = state.lighting;
+  colored = colored && state.shows_colors() && !state.shows_texture_alone();
   const int units[2] = {state.unit_of_layer(0), state.unit_of_layer(1)};
   uint64_t key = mix(draw.hash, (lit ? 1u : 0u) + (colored ? 2u : 0u) + 4u * static_cast<unsigned>(units[0] + 1) + 64u * static_cast<unsigned>(units[1] + 1));
   for (const int unit : units) key = mix(key, hash_of_coordinates(state, unit));
@@ -111,6 +116,14 @@ sideray_texture TracedScene::texture(const Texture& texture) {
     at->second.name = scene_.add_texture(static_cast<uint32_t>(texture.width), static_cast<uint32_t>(texture.height), SIDERAY_RGBA8, texture.texels.data());
   at->second.last_frame = frame_;
   return at->second.name;
+}
+
+sideray_texture_slot TracedScene::slot(const Texture& from) {
+  sideray_texture_slot slot = sideray_material_defaults().base_color_texture;
+  slot.texture = texture(from);
+  slot.wrap_u = wrap_of(from.wrap[0]), slot.wrap_v = wrap_of(from.wrap[1]);
+  if (from.magnified == GL_NEAREST) slot.filter = SIDERAY_NEAREST;
+  return slot;
 }
 
 sideray_material TracedScene::opaque_material(const SceneDraw& draw) {
@@ -155,18 +168,18 @@ sideray_material_desc TracedScene::describe(const MaterialKey& key, const SceneD
       break;
   }
   // Layers of glass are what it mirrors: holes of its texture are those of the program's own picture.
-  if (key.textures[0] != 0) desc.base_color_texture.texture = texture(*draw.textures[0]);
+  if (key.textures[0] != 0) desc.base_color_texture = slot(*draw.textures[0]);
   if (key.textures[1] != 0) {
-    desc.emissive_texture.texture = texture(*draw.textures[1]);  // a light map: Looks multiplies by it
+    desc.emissive_texture = slot(*draw.textures[1]);  // a light map: Looks multiplies by it
     desc.emissive_texture.uv_set = 1;
     std::fill_n(desc.emissive, 3, 1.0f);
   }
   return desc;
 }
 
-bool TracedScene::place(const SceneDraw& draw, float scale, sideray_instance_desc& instance) {
+bool TracedScene::place(const SceneDraw& draw, float scale, bool colored, sideray_instance_desc& instance) {
   if (!draw.geometry->is_surface() || !is_affine_and_invertible(draw.state->modelview)) return false;
-  instance.mesh = mesh(draw);
+  instance.mesh = mesh(draw, colored);
   if (instance.mesh == 0) return false;
   for (size_t column = 0; column < 4; ++column)
     for (size_t row = 0; row < 3; ++row)
@@ -176,7 +189,7 @@ bool TracedScene::place(const SceneDraw& draw, float scale, sideray_instance_des
 
 void TracedScene::add_opaque(const SceneDraw& draw) {
   sideray_instance_desc instance{};
-  if (!place(draw, 1, instance)) return;
+  if (!place(draw, 1, true, instance)) return;
   instance.material = opaque_material(draw);
   instance.user = looks_.add(*draw.state, draw.tint);
   instance.visibility = SIDERAY_VISIBLE_REFLECTION;
@@ -186,7 +199,7 @@ void TracedScene::add_opaque(const SceneDraw& draw) {
 
 void TracedScene::add_sky(const SceneDraw& draw) {
   sideray_instance_desc instance{};
-  if (!place(draw, sky_scale * std::pow(0.9f, static_cast<float>(sheets_)), instance)) return;
+  if (!place(draw, sky_scale * std::pow(0.9f, static_cast<float>(sheets_)), true, instance)) return;
   ++sheets_;
   instance.material = opaque_material(draw);
   instance.user = looks_.add(*draw.state, draw.tint);
@@ -199,8 +212,8 @@ void TracedScene::add_sky(const SceneDraw& draw) {
 MirrorIds TracedScene::add_mirror(const SceneDraw& draw, const Rule& rule) {
   constexpr float behind = 1.0001f;
   sideray_instance_desc instance{};
-  if (!place(draw, 1, instance)) return {};
   const bool bends = rule.ior > 1;
+  if (!place(draw, 1, !bends, instance)) return {};
   const uint64_t mesh_hash = hash_of(*draw.geometry, {false, false, 0}), texture_hash = draw.textures[0]->hash;
   MirrorIds ids;
   instance.material = material({{0, 0}, bends ? Role::clear_mirror : Role::mirror, 0}, draw);
@@ -208,8 +221,8 @@ MirrorIds TracedScene::add_mirror(const SceneDraw& draw, const Rule& rule) {
   instance.visibility = SIDERAY_VISIBLE_LAYERS;
   instance.surface_id = ids.mirror = 2 * names_.name(mesh_hash, texture_hash) - 1;
   wanted_.push_back(instance);
-  if (has_sun_) add_caster(draw, instance);
-  if (!bends || !place(draw, behind, instance)) return ids;
+  if (has_sun_) add_caster(draw);
+  if (!bends || !place(draw, behind, false, instance)) return ids;
   instance.material = material({{0, 0}, Role::bent, rule.ior}, draw);
   instance.user = looks_.add_clear();
   instance.surface_id = ids.bent = 2 * bent_names_.name(mesh_hash, texture_hash);
@@ -217,11 +230,13 @@ MirrorIds TracedScene::add_mirror(const SceneDraw& draw, const Rule& rule) {
   return ids;
 }
 
-void TracedScene::add_caster(const SceneDraw& draw, const sideray_instance_desc& mirror) {
-  sideray_instance_desc caster = mirror;
-  caster.material = material({{draw.textures[0]->hash, 0}, Role::caster, draw.state->blend ? draw.state->alpha : 1.0f}, draw);
+void TracedScene::add_caster(const SceneDraw& draw) {
+  sideray_instance_desc caster{};
+  if (!place(draw, 1, true, caster)) return;
+  // The alpha of vertices is the mesh's.
+  const float alpha = draw.state->blend && !draw.state->shows_colors() ? draw.state->alpha : 1.0f;
+  caster.material = material({{draw.textures[0]->hash, 0}, Role::caster, alpha}, draw);
   caster.visibility = SIDERAY_VISIBLE_SHADOW;
-  caster.surface_id = 0;
   wanted_.push_back(caster);
 }
 

@@ -73,13 +73,15 @@ class TracedScene {
     float value = 0;  // of opaque: the cutoff of alpha; of bent: the index of refraction; of caster: alpha
     auto operator<=>(const MaterialKey&) const = default;
   };
-  bool place(const SceneDraw& draw, float scale, sideray_instance_desc& instance);
-  sideray_mesh mesh(const SceneDraw& draw);
+  // `colored`: with the vertices' colours, if they count.
+  bool place(const SceneDraw& draw, float scale, bool colored, sideray_instance_desc& instance);
+  sideray_mesh mesh(const SceneDraw& draw, bool colored);
   sideray_texture texture(const Texture& texture);
+  sideray_texture_slot slot(const Texture& texture);
   sideray_material opaque_material(const SceneDraw& draw);
   sideray_material material(const MaterialKey& key, const SceneDraw& draw);
   sideray_material_desc describe(const MaterialKey& key, const SceneDraw& draw);
-  void add_caster(const SceneDraw& draw, const sideray_instance_desc& mirror);
+  void add_caster(const SceneDraw& draw);
   void drop_old();
   void set_looks();
 

@@ -10,6 +10,7 @@
  *   late_box      a box before the pane is drawn after the smoke
  *   stencil       what is drawn after the pane is drawn where the stencil says that the pane is
  *   solid         the pane's alpha is 1
+ *   water         a blended square lies above the floor, to the right
  *   object, eye, sphere   a textured box stands on the eye's side, its coordinates by glTexGen; with
  *   explicit      they are those of its vertices, and the same
  *   fog           linear fog from 2 to 12
@@ -212,6 +213,17 @@ static void draw_pane(void) {
   if (has("stencil")) glStencilFunc(GL_EQUAL, 1, 255);
 }
 
+/* Of arrays: a rule can name it. */
+static void draw_water(void) {
+  static const float corners[] = {1.6f, 0.4f, -2, 1.6f, 0.4f, 2, 3.6f, 0.4f, 2, 3.6f, 0.4f, -2};
+  glNormal3f(0, 1, 0);
+  glColor4f(0.1f, 0.3f, 0.5f, 0.2f);
+  glEnableClientState(GL_VERTEX_ARRAY);
+  glVertexPointer(3, GL_FLOAT, 0, corners);
+  glDrawArrays(GL_QUADS, 0, 4);
+  glDisableClientState(GL_VERTEX_ARRAY);
+}
+
 static void draw_smoke(void) {
   glDisable(GL_LIGHTING);
   glColor4f(1, 1, 0, 0.5f);
@@ -274,6 +286,7 @@ static void draw_frame(GLuint box_list, GLuint checkers, int w, int h, int frame
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   glDepthMask(GL_FALSE);
   draw_pane();
+  if (has("water")) draw_water();
   if (has("smoke")) draw_smoke();
   if (has("late_box")) draw_late_box();
   glDisable(GL_STENCIL_TEST);
