@@ -364,6 +364,7 @@ void Frame::flush() {
   flushing_ = holds_stencil_ = casts_ = false;
   compares_ = false;
   start_.reset();
+  if (signals_wait.has_one()) real().Finish();
 }
 
 void Frame::end() {

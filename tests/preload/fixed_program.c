@@ -18,6 +18,7 @@
  *   levels        from the second half of the frames on it is another level: lists, textures and the window are made anew;
  *   level2        it is that level from the start
  *   handler       SIGTERM ends it from its handler while it draws the overlay: the context is destroyed, the program exits
+ *   swap_handler  the same while it swaps
  *   slow          30 ms pass between frames
  *   egl           EGL in place of GLX
  *   debug         a context for debugging: fails at the first message of an error
@@ -395,9 +396,12 @@ static void close_screen(struct Screen* screen) {
 
 static struct Screen* open_one;
 
+/* Waits for the X server, and for the driver's threads. */
 static void leave(int number) {
+  XSync(open_one->display, False);
   glXMakeCurrent(open_one->display, None, NULL);
   glXDestroyContext(open_one->display, open_one->contexts[0]);
+  XCloseDisplay(open_one->display);
   exit(number == SIGTERM ? 3 : 4);
 }
 
@@ -413,7 +417,7 @@ int main(int argc, char** argv) {
   struct Screen screen = open_screen();
   if (has("opened")) open_functions();
   open_one = &screen;
-  if (has("handler")) let_signals_in(0), signal(SIGTERM, leave);
+  if (has("handler") || has("swap_handler")) let_signals_in(0), signal(SIGTERM, leave);
   if (has("debug")) {
     glEnable(GL_DEBUG_OUTPUT);
     glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
@@ -437,10 +441,12 @@ int main(int argc, char** argv) {
     if (frame == frames - 1) write_picture(argv[2], w, h);
     if (has("error")) require(glGetError() == GL_NO_ERROR, "an OpenGL error");
     if (has("slow")) usleep(30000);
+    if (has("swap_handler")) let_signals_in(1);
     if (has("egl"))
       eglSwapBuffers(screen.egl, screen.surface);
     else
       swap(screen.display, screen.window);
+    if (has("swap_handler")) let_signals_in(0);
   }
   close_screen(&screen);
   return 0;
