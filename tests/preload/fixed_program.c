@@ -19,6 +19,7 @@
  *   level2        it is that level from the start
  *   handler       SIGTERM ends it from its handler while it draws the overlay: the context is destroyed, the program exits
  *   swap_handler  the same while it swaps
+ *   atexit        the context is destroyed by a function that atexit() was given before anything else
  *   slow          30 ms pass between frames
  *   egl           EGL in place of GLX
  *   debug         a context for debugging: fails at the first message of an error
@@ -405,6 +406,13 @@ static void leave(int number) {
   exit(number == SIGTERM ? 3 : 4);
 }
 
+/* What has been freed by then is overwritten. */
+static void close_at_exit(void) {
+  for (size_t size = 8; size < 512; size += 8)
+    for (int i = 0; i < 64; ++i) memset(malloc(size), 'x', size);
+  close_screen(open_one);
+}
+
 static void resize(const struct Screen* screen, int w, int h) {
   XResizeWindow(screen->display, screen->window, (unsigned)w, (unsigned)h);
   XSync(screen->display, False);
@@ -414,7 +422,9 @@ int main(int argc, char** argv) {
   require(argc >= 3, "usage: fixed_program FRAMES PICTURE.ppm [WHAT...]");
   argument_count = argc, arguments = argv;
   const int frames = atoi(argv[1]);
-  struct Screen screen = open_screen();
+  if (has("atexit")) atexit(close_at_exit);
+  static struct Screen screen;
+  screen = open_screen();
   if (has("opened")) open_functions();
   open_one = &screen;
   if (has("handler") || has("swap_handler")) let_signals_in(0), signal(SIGTERM, leave);
@@ -448,6 +458,6 @@ int main(int argc, char** argv) {
       swap(screen.display, screen.window);
     if (has("swap_handler")) let_signals_in(0);
   }
-  close_screen(&screen);
+  if (!has("atexit")) close_screen(&screen);
   return 0;
 }

@@ -395,6 +395,10 @@ class RunTest(unittest.TestCase):
                 process.kill()
                 process.stderr.close()
 
+    def test_a_program_that_tidies_up_at_exit_has_its_report(self):
+        _, said, figures = self.run_fixed("atexit")
+        self.assertEqual((said, figures["frames"]), ("", 3))
+
     def test_a_rule_makes_the_floor_a_mirror(self):
         rules = self.floor_rule()
         plain = self.plain()
