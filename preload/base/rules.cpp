@@ -18,8 +18,8 @@ Kind kind_of(const std::string& name) {
 }
 
 [[noreturn]] void refuse(const std::string& where, const std::string& what) {
-  throw std::runtime_error(where + ": " + what + "; a line is KIND texture|mesh HASH [reflectance=0..1] [ior=1..4] [shade=0..1], KIND "
-                           "one of glass, water, mirror, sky, opaque, ignore, or it is sun light 0..7");
+  throw std::runtime_error(where + ": " + what + "; a line is KIND texture|mesh HASH or KIND guessed, with [reflectance=0..1] [ior=1..4] "
+                           "[shade=0..1] behind it, KIND one of glass, water, mirror, sky, opaque, ignore, or it is sun light 0..7");
 }
 
 // An option of a rule, and what it may be.
@@ -42,6 +42,13 @@ void set_option(Rule& rule, const std::string& word, const std::string& where) {
     return;
   }
   refuse(where, "\"" + word + "\" is not known");
+}
+
+uint64_t hash_of(const std::string& text, const std::string& where) {
+  char* end = nullptr;
+  const uint64_t hash = std::strtoull(text.c_str(), &end, 16);
+  if (*end != 0 || text.size() != 16) refuse(where, "\"" + text + "\" is no hash of sixteen digits");
+  return hash;
 }
 
 // Options that would do nothing are mistakes.
@@ -70,27 +77,34 @@ Rules Rules::read(const std::string& path) {
   return rules;
 }
 
+Rules::Rules() {
+  guess_.kind = Kind::glass;
+  guess_.reflectance = usual_reflectance(Kind::glass);
+}
+
 void Rules::add(const std::string& line, const std::string& where) {
   std::istringstream words(line);
-  std::string kind, of, hash, option;
+  std::string kind, of, name, option;
   if (!(words >> kind)) return;
-  words >> of >> hash;
-  if (kind == "sun") return add_sun(of, hash, where);
+  words >> of;
+  if (of != "guessed") words >> name;
+  if (kind == "sun" && of == "light") return add_sun(name, where);
   Rule rule;
   rule.kind = kind_of(kind);
   if (rule.kind == Kind::unknown) refuse(where, "\"" + kind + "\" is no kind");
-  if (hash.empty() || (of != "texture" && of != "mesh")) refuse(where, "it does not say of what");
-  char* end = nullptr;
-  const uint64_t value = std::strtoull(hash.c_str(), &end, 16);
-  if (*end != 0 || hash.size() != 16) refuse(where, "\"" + hash + "\" is no hash of sixteen digits");
   rule.reflectance = usual_reflectance(rule.kind);
   while (words >> option) set_option(rule, option, where);
   check(rule, where);
-  (of == "texture" ? textures_ : meshes_)[value] = rule;
+  if (of == "guessed")
+    guess_ = rule;
+  else if (of == "texture" || of == "mesh")
+    (of == "texture" ? textures_ : meshes_)[hash_of(name, where)] = rule;
+  else
+    refuse(where, "it does not say of what");
 }
 
-void Rules::add_sun(const std::string& of, const std::string& number, const std::string& where) {
-  if (of != "light" || number.size() != 1 || number[0] < '0' || number[0] > '7') refuse(where, "it does not say which light");
+void Rules::add_sun(const std::string& number, const std::string& where) {
+  if (number.size() != 1 || number[0] < '0' || number[0] > '7') refuse(where, "it does not say which light");
   sun_ = number[0] - '0';
 }
 

@@ -92,7 +92,7 @@ Decision Frame::decide(const DrawState& state, const Geometry* geometry, uint64_
   Decision decision;
   decision.rule = rules_.find(texture.hash, mesh);
   if (decision.rule.kind == Kind::unknown && texture.hash == 0 && looks_like_glass(state))
-    decision.rule = {Kind::glass, usual_reflectance(Kind::glass), true};
+    decision.rule = rules_.guess(), decision.rule.guessed = true;
   decision.taking = taking_of(state, decision.rule);
   if (bool has_holes = false; decision.rule.kind == Kind::unknown && covers(state, geometry, has_holes)) {
     decision.is_seen = true;

@@ -21,7 +21,7 @@ std::string described(Taking taking, const Rule& rule) {
     case Taking::sky:
       return "sky";
     case Taking::reflects:
-      return rule.guessed ? "glass (guessed)" : kind_name(rule.kind);
+      return kind_name(rule.kind) + std::string(rule.guessed ? " (guessed)" : "");
     case Taking::held:
       return "held back, drawn as ever";
     default:

@@ -320,6 +320,15 @@ class RunTest(unittest.TestCase):
         self.assertGreater(right, 400)
         self.assertLess(wrong, 0.01 * right)
 
+    def test_what_is_guessed_follows_its_rule(self):
+        mesh = self.water_mesh()
+        named, _, _ = self.run_fixed("water", options=self.rule(f"water mesh {mesh} ior=1.33", "ignore guessed"))
+        guessed, _, figures = self.run_fixed("water", options=self.rule("water guessed ior=1.33", f"ignore mesh {mesh}"))
+        self.assertNotEqual(named.pixels, guessed.pixels)
+        self.assertEqual(figures["frames_with_rays"], 3)
+        ignored, _, _ = self.run_fixed("water", options=self.rule("ignore guessed"))
+        self.assertEqual(ignored.pixels, self.plain("water").pixels)
+
     def test_bent_water_is_the_same_late(self):
         rules = self.rule(f"water mesh {self.water_mesh()} ior=1.33", "sun light 0")
         waited, _, _ = self.run_fixed("water", frames=40, options=rules)
