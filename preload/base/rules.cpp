@@ -18,17 +18,43 @@ Kind kind_of(const std::string& name) {
 }
 
 [[noreturn]] void refuse(const std::string& where, const std::string& what) {
-  throw std::runtime_error(where + ": " + what + "; a line is KIND texture|mesh HASH [reflectance=0..1], KIND one of glass, "
-                           "water, mirror, sky, opaque, ignore");
+  throw std::runtime_error(where + ": " + what + "; a line is KIND texture|mesh HASH or KIND guessed, with [reflectance=0..1] [ior=1..4] "
+                           "[shade=0..1] behind it, KIND one of glass, water, mirror, sky, opaque, ignore, or it is sun light 0..7");
 }
 
-float reflectance_of(const std::string& word, const std::string& where) {
-  const std::string key = "reflectance=";
-  if (!word.starts_with(key)) refuse(where, "\"" + word + "\" is not known");
+// An option of a rule, and what it may be.
+struct Option {
+  const char* name;
+  float Rule::*value;
+  float least, most;
+};
+constexpr std::array<Option, 3> options = {{{"reflectance", &Rule::reflectance, 0, 1}, {"ior", &Rule::ior, 1, 4}, {"shade", &Rule::shade, 0, 1}}};
+
+void set_option(Rule& rule, const std::string& word, const std::string& where) {
+  const size_t equals = word.find('=');
+  for (const Option& option : options) {
+    if (word.substr(0, equals) != option.name || equals == std::string::npos) continue;
+    const char* text = word.c_str() + equals + 1;
+    char* end = nullptr;
+    const float value = std::strtof(text, &end);
+    if (*end != 0 || end == text || !(value >= option.least && value <= option.most)) refuse(where, "\"" + word + "\" is out of range");
+    rule.*option.value = value;
+    return;
+  }
+  refuse(where, "\"" + word + "\" is not known");
+}
+
+uint64_t hash_of(const std::string& text, const std::string& where) {
   char* end = nullptr;
-  const float value = std::strtof(word.c_str() + key.size(), &end);
-  if (*end != 0 || end == word.c_str() + key.size() || !(value >= 0 && value <= 1)) refuse(where, "\"" + word + "\" is not within 0 to 1");
-  return value;
+  const uint64_t hash = std::strtoull(text.c_str(), &end, 16);
+  if (*end != 0 || text.size() != 16) refuse(where, "\"" + text + "\" is no hash of sixteen digits");
+  return hash;
+}
+
+// Options that would do nothing are mistakes.
+void check(const Rule& rule, const std::string& where) {
+  if (rule.ior != 1 && rule.kind != Kind::glass && rule.kind != Kind::water) refuse(where, "ior is of glass and water alone");
+  if (rule.shade >= 0 && rule.kind != Kind::opaque) refuse(where, "shade is of opaque alone");
 }
 
 }  // namespace
@@ -51,20 +77,35 @@ Rules Rules::read(const std::string& path) {
   return rules;
 }
 
+Rules::Rules() {
+  guess_.kind = Kind::glass;
+  guess_.reflectance = usual_reflectance(Kind::glass);
+}
+
 void Rules::add(const std::string& line, const std::string& where) {
   std::istringstream words(line);
-  std::string kind, of, hash, option;
+  std::string kind, of, name, option;
   if (!(words >> kind)) return;
+  words >> of;
+  if (of != "guessed") words >> name;
+  if (kind == "sun" && of == "light") return add_sun(name, where);
   Rule rule;
   rule.kind = kind_of(kind);
   if (rule.kind == Kind::unknown) refuse(where, "\"" + kind + "\" is no kind");
-  if (!(words >> of >> hash) || (of != "texture" && of != "mesh")) refuse(where, "it does not say of what");
-  char* end = nullptr;
-  const uint64_t value = std::strtoull(hash.c_str(), &end, 16);
-  if (*end != 0 || hash.size() != 16) refuse(where, "\"" + hash + "\" is no hash of sixteen digits");
   rule.reflectance = usual_reflectance(rule.kind);
-  while (words >> option) rule.reflectance = reflectance_of(option, where);
-  (of == "texture" ? textures_ : meshes_)[value] = rule;
+  while (words >> option) set_option(rule, option, where);
+  check(rule, where);
+  if (of == "guessed")
+    guess_ = rule;
+  else if (of == "texture" || of == "mesh")
+    (of == "texture" ? textures_ : meshes_)[hash_of(name, where)] = rule;
+  else
+    refuse(where, "it does not say of what");
+}
+
+void Rules::add_sun(const std::string& number, const std::string& where) {
+  if (number.size() != 1 || number[0] < '0' || number[0] > '7') refuse(where, "it does not say which light");
+  sun_ = number[0] - '0';
 }
 
 Rule Rules::find(uint64_t texture, uint64_t mesh) const {

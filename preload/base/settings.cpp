@@ -15,10 +15,11 @@ std::string variable(const char* name) {
 }  // namespace
 
 const Settings& settings() {
-  static const Settings all = {variable("SIDERAY_RUN_OFF") == "1", variable("SIDERAY_RUN_LATE") == "1", variable("SIDERAY_RUN_RULES"),
-                               variable("SIDERAY_RUN_REPORT"), variable("SIDERAY_RUN_CAPTURE"),
-                               variable("SIDERAY_RUN_PICTURES")};
-  return all;
+  // Never destroyed: the last report is written when the process ends.
+  static const Settings* const all =
+      new Settings{variable("SIDERAY_RUN_OFF") == "1",  variable("SIDERAY_RUN_LATE") == "1",    variable("SIDERAY_RUN_RULES"),
+                   variable("SIDERAY_RUN_REPORT"),      variable("SIDERAY_RUN_CAPTURE"),        variable("SIDERAY_RUN_PICTURES")};
+  return *all;
 }
 
 void say(const std::string& line) {

@@ -117,6 +117,9 @@ DrawState read_draw_state() {
   state.depth_test = is_enabled(GL_DEPTH_TEST);
   state.depth_write = get_integer(GL_DEPTH_WRITEMASK) != 0;
   state.depth_func = static_cast<GLenum>(get_integer(GL_DEPTH_FUNC));
+  GLfloat range[2] = {0, 1};
+  gl.GetFloatv(GL_DEPTH_RANGE, range);
+  state.whole_depth_range = range[0] == 0 && range[1] == 1;
   state.stencil_test = is_enabled(GL_STENCIL_TEST);
   state.alpha_test = is_enabled(GL_ALPHA_TEST);
   if (state.alpha_test) gl.GetFloatv(GL_ALPHA_TEST_REF, &state.alpha_reference);
@@ -135,11 +138,14 @@ DrawState read_draw_state() {
 }
 
 std::shared_ptr<const Lighting> read_lighting() {
-  static std::shared_ptr<const Lighting> last;
+  static std::shared_ptr<const Lighting>& last = *new std::shared_ptr<const Lighting>;  // programs draw until their last moment
   const Functions& gl = real();
   Lighting lighting;
-  for (GLenum i = 0; i < 8; ++i)
-    if (is_enabled(GL_LIGHT0 + i)) read_light(GL_LIGHT0 + i, lighting.light[lighting.lights++]);
+  for (GLenum i = 0; i < 8; ++i) {
+    if (!is_enabled(GL_LIGHT0 + i)) continue;
+    lighting.number[lighting.lights] = static_cast<GLint>(i);
+    read_light(GL_LIGHT0 + i, lighting.light[lighting.lights++]);
+  }
   gl.GetFloatv(GL_LIGHT_MODEL_AMBIENT, lighting.scene_ambient);
   lighting.local_viewer = get_integer(GL_LIGHT_MODEL_LOCAL_VIEWER);
   if (!last || std::memcmp(last.get(), &lighting, sizeof(lighting)) != 0) last = std::make_shared<const Lighting>(lighting);

@@ -17,6 +17,7 @@ struct FixedLight {
 // The lighting of the fixed function, all of it in eye space. Without padding: it is compared as bytes.
 struct Lighting {
   int lights = 0;
+  GLint number[8] = {};  // of each: GL_LIGHT0 + number
   FixedLight light[8] = {};
   float scene_ambient[4] = {};
   GLint local_viewer = 0;
@@ -58,6 +59,7 @@ struct DrawState {
   float alpha = 1;  // of the colour that is current, or of the material that takes its place
   float alpha_reference = 0;
   GLint framebuffer = 0;
+  bool whole_depth_range = true;  // 0 to 1
   DrawMaterial material;
   Fog fog;
   std::shared_ptr<const Lighting> lights;  // of a lit draw that rays see

@@ -35,6 +35,9 @@ void Textures::read(GLuint name, Texture& texture) {
   gl.BindTexture(GL_TEXTURE_2D, name);
   gl.GetTexLevelParameteriv(GL_TEXTURE_2D, 0, GL_TEXTURE_WIDTH, &texture.width);
   gl.GetTexLevelParameteriv(GL_TEXTURE_2D, 0, GL_TEXTURE_HEIGHT, &texture.height);
+  gl.GetTexParameteriv(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, &texture.wrap[0]);
+  gl.GetTexParameteriv(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, &texture.wrap[1]);
+  gl.GetTexParameteriv(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, &texture.magnified);
   if (texture.width > 0 && texture.height > 0 && texture.width <= largest && texture.height <= largest) {
     texture.texels.resize(4 * static_cast<size_t>(texture.width) * static_cast<size_t>(texture.height));
     gl.PushClientAttrib(GL_CLIENT_PIXEL_STORE_BIT);

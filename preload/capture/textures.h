@@ -13,6 +13,7 @@ struct Texture {
   uint64_t hash = 0;   // 0 = no texture
   bool covers = true;  // no texel is translucent
   GLint width = 0, height = 0;
+  GLint wrap[2] = {GL_REPEAT, GL_REPEAT}, magnified = GL_LINEAR;  // when its texels were read
   std::vector<uint8_t> texels;  // RGBA, rows as OpenGL is given them
 };
 

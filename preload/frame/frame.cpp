@@ -57,13 +57,13 @@ Frame::~Frame() = default;
 
 Taking Frame::taking_of(const DrawState& state, const Rule& rule) const {
   const bool joins_later = state.blend || depends_on_held(state);
-  if (rule.kind == Kind::ignore || !state.writes_color) return joins_later && is_holding() ? Taking::held : Taking::left;
+  if (rule.kind == Kind::ignore || !state.writes_color) return joins_later && holds_later() ? Taking::held : Taking::left;
   if (is_reflector(rule.kind)) return Taking::reflects;
   const bool behind_all = !state.depth_test || !state.depth_write;
   const bool may_be_sky = behind_all && !drew_opaque_ && !is_holding();
   if (rule.kind == Kind::sky || (may_be_sky && (!state.blend || blends_by_alpha(state)))) return Taking::sky;
   if (rule.kind == Kind::opaque || !joins_later) return Taking::opaque;
-  return is_holding() ? Taking::held : Taking::left;
+  return holds_later() ? Taking::held : Taking::left;
 }
 
 bool Frame::depends_on_held(const DrawState& state) const {
@@ -92,18 +92,23 @@ Decision Frame::decide(const DrawState& state, const Geometry* geometry, uint64_
   Decision decision;
   decision.rule = rules_.find(texture.hash, mesh);
   if (decision.rule.kind == Kind::unknown && texture.hash == 0 && looks_like_glass(state))
-    decision.rule = {Kind::glass, usual_reflectance(Kind::glass), true};
+    decision.rule = rules_.guess(), decision.rule.guessed = true;
   decision.taking = taking_of(state, decision.rule);
   if (bool has_holes = false; decision.rule.kind == Kind::unknown && covers(state, geometry, has_holes)) {
     decision.is_seen = true;
     // What has no holes looks the same before and behind what is held back; the vertices of glBegin are not known yet.
-    if (!is_holding() || (geometry && !has_holes)) decision.taking = Taking::opaque;
+    if (!holds_later() || (geometry && !has_holes)) decision.taking = Taking::opaque;
   }
   const bool is_solid = !state.blend && state.depth_test && state.depth_write && state.depth_func != GL_EQUAL;
   decision.is_seen = decision.is_seen || decision.taking == Taking::opaque || decision.taking == Taking::sky ||
                      (decision.taking == Taking::held && is_solid && state.writes_color && decision.rule.kind != Kind::ignore);
-  if (decision.holds() && is_holding() && has_other_view(state)) flush();
+  const bool casts = decision.taking == Taking::opaque && is_lit_by_sun(state);
+  if ((decision.holds() || casts) && is_waiting() && has_other_view(state)) flush();
   if (decision.taking == Taking::opaque && state.depth_write) drew_opaque_ = true;
+  if (casts && !settings().off) {
+    if (!is_waiting()) projection_ = state.projection, viewport_ = state.viewport;
+    tracing_ = casts_ = true, frames_without_ = 0;
+  }
   survey_.note(texture, mesh, state, decision.taking, decision.rule);
   if (decision.taking == Taking::reflects) tracing_ = true, frames_without_ = 0;
   if (settings().off && decision.holds()) decision.taking = Taking::left;
@@ -137,6 +142,11 @@ void Frame::add_pending() {
     scene_->add_sky(draw);
   else
     scene_->add_opaque(draw);
+  if (pending_->decision.taking == Taking::opaque && rules_.sun() >= 0) {
+    if (!receivers_.add(pending_->state, pending_->geometry, draw.textures[0]->hash, pending_->decision.rule, rules_.sun()))
+      survey_.miss("draws that the sun lights from another place than others: no shadows fall on them");
+    scene_->set_sun(receivers_.sun());
+  }
   pending_.reset();
 }
 
@@ -167,7 +177,7 @@ void Frame::show(Piece piece, const float tint[4]) {
 
 void Frame::hold(std::vector<Piece> pieces, GLuint list, const float tint[4]) {
   make_scene();
-  if (held_.empty()) projection_ = pieces.front().state.projection, viewport_ = pieces.front().state.viewport;
+  if (!is_waiting()) projection_ = pieces.front().state.projection, viewport_ = pieces.front().state.viewport;
   Held& held = held_.emplace_back();
   held.state = SavedState::read();
   held.list = list;
@@ -189,10 +199,11 @@ void Frame::add_reflector(Held& held, const Piece& piece) {
   add_pending();
   const SceneDraw draw = scene_draw(*piece.geometry, piece.hash, piece.state);
   if (capture_) capture_->add(*draw.geometry, *draw.state, *draw.textures[0], true);
-  const uint32_t id = scene_->add_mirror(draw);
-  if (id == 0) return;
   const Rule& rule = piece.decision.rule;
-  held.reflectors.push_back({piece.geometry.get(), piece.state.modelview, id, rule.reflectance, rule.kind != Kind::mirror});
+  const MirrorIds ids = scene_->add_mirror(draw, rule);
+  if (ids.mirror == 0) return;
+  held.reflectors.push_back({piece.geometry.get(), piece.state.modelview, ids, rule.reflectance, rule.kind != Kind::mirror});
+  if (ids.bent != 0) held.bending.push_back(held.reflectors.back());
 }
 
 void Frame::pass_on_reflectors(Held& next) {
@@ -209,22 +220,34 @@ bool Frame::is_later_stage(const Piece& piece) const {
   return !before.reflectors.empty() && before.pieces.size() == 1 && is_same_surface(before.pieces[0], piece);
 }
 
-bool Frame::trace() {
-  std::vector<Reflector> reflectors;
-  std::vector<const SavedState*> states;
+Batch Frame::batch() const {
+  Batch batch;
+  batch.number = static_cast<uint32_t>(figures_.batches);
   for (const Held& held : held_)
-    for (const Reflector& reflector : held.reflectors) reflectors.push_back(reflector), states.push_back(&held.state);
-  if (reflectors.empty()) return false;
-  add_pending();
+    for (const Reflector& reflector : held.reflectors) batch.reflectors.push_back(reflector), batch.states.push_back(&held.state);
+  batch.receivers = &receivers_;
+  batch.sun = rules_.sun();
+  batch.projection = projection_;
+  batch.viewport = viewport_;
+  return batch;
+}
+
+bool Frame::trace(const Batch& batch) {
+  if (batch.is_empty()) return false;
+  if (batch.number >= Reflections::most_batches) {
+    survey_.miss("parts of a frame beyond the sixteenth: nothing is traced for them");
+    return false;
+  }
   GLfloat clear[4] = {};
   real().GetFloatv(GL_COLOR_CLEAR_VALUE, clear);
   scene_->set_background({clear[0], clear[1], clear[2]});
   scene_->commit();
   if (!reflections_) reflections_ = std::make_unique<Reflections>(*scene_);
-  reflections_->trace(static_cast<uint32_t>(figures_.batches), reflectors, states, projection_, viewport_);
+  reflections_->trace(batch);
   const sideray_frame_stats& stats = reflections_->stats();
   figures_.trace_ms += stats.trace_ms;
   figures_.rays += stats.rays_reflection;
+  figures_.shadow_rays += stats.rays_shadow;
   figures_.layers += stats.layers_found;
   figures_.instances = scene_->instances();
   figures_.meshes = scene_->meshes();
@@ -245,6 +268,11 @@ void Frame::draw_held(Draws which, bool with_rays) {
   const Functions& gl = real();
   for (const Held& held : held_) {
     if (which != Draws::all && (which == Draws::in_turn) != held.in_turn) continue;
+    for (const Reflector& reflector : held.bending) {
+      if (!with_rays) break;
+      held.state.apply();
+      reflections_->draw_behind(reflector);
+    }
     held.state.apply();
     if (held.list != 0)
       gl.CallList(held.list);
@@ -272,14 +300,15 @@ void Frame::draw_marks() {
       held.state.apply();
       reflections_->mark(reflector);
     }
+  reflections_->mark_shadows(viewport_);
 }
 
 // The program has drawn all in its order; now as ever: what is opaque, rays, what waited for them.
 void Frame::draw_both_ways() {
   const Picture own(viewport_);
-  start_->restore();
+  if (start_) start_->restore();
   draw_held(Draws::in_turn, false);
-  const bool with_rays = try_to_trace();
+  const bool with_rays = try_to_trace(batch());
   const Picture opaque(viewport_);
   draw_held(Draws::waiting, with_rays);
   if (!with_rays) return;
@@ -292,9 +321,11 @@ void Frame::draw_both_ways() {
   rays.restore();
 }
 
-bool Frame::try_to_trace() {
+bool Frame::try_to_trace(const Batch& batch) {
   try {
-    return !gave_up() && trace();
+    if (gave_up() || !trace(batch)) return false;
+    reflections_->draw_shadows(batch);
+    return true;
   } catch (const std::exception& error) {
     real().BindFramebuffer(GL_FRAMEBUFFER, 0);
     give_up(error.what());
@@ -304,7 +335,7 @@ bool Frame::try_to_trace() {
 
 void Frame::compare_no_more() {
   if (!compares_ || held_.empty()) return;
-  if (const AllState all; all.saved()) start_->restore();
+  if (const AllState all; all.saved() && start_) start_->restore();
   compares_ = false;
   flush();
 }
@@ -315,22 +346,25 @@ void Frame::trace_and_draw() {
   if (compares_)
     draw_both_ways();
   else
-    draw_held(Draws::all, try_to_trace());
+    draw_held(Draws::all, try_to_trace(batch()));
 }
 
 void Frame::flush() {
-  if (held_.empty() || flushing_) return;
+  if (!is_waiting() || flushing_) return;
   const SignalsWait signals_wait;
   flushing_ = true;
   try {
+    add_pending();
     trace_and_draw();
   } catch (const std::exception& error) {
     give_up(error.what());
   }
   held_.clear();
-  flushing_ = holds_stencil_ = false;
+  receivers_.clear();
+  flushing_ = holds_stencil_ = casts_ = false;
   compares_ = false;
   start_.reset();
+  if (signals_wait.has_one()) real().Finish();
 }
 
 void Frame::end() {
@@ -338,7 +372,7 @@ void Frame::end() {
   flush();
   if (renderer_.empty()) renderer_ = reinterpret_cast<const char*>(real().GetString(GL_RENDERER));
   figures_.pixels = static_cast<uint64_t>(viewport_[2]) * static_cast<uint64_t>(viewport_[3]);
-  if (reflections_) figures_.reflecting = reflections_->fragments_answered(), reflections_->advance();
+  if (reflections_) figures_.reflecting = reflections_->fragments_answered(), figures_.in_shadow = reflections_->pixels_in_shadow(), reflections_->advance();
   const auto now = std::chrono::steady_clock::now();
   if (number_ > 0) figures_.frame_ms = std::chrono::duration<double, std::milli>(now - began_).count();
   began_ = now;
@@ -350,6 +384,7 @@ void Frame::end() {
   capture_.reset();
   if (tracing_ && !captured_ && !settings().capture.empty()) capture_ = std::make_unique<SceneFile>();
   if (scene_) scene_->begin_frame();
+  receivers_.begin_frame();
   drew_opaque_ = false;
   if (++frames_without_ > frames_of_interest) tracing_ = false;
   if (now - reported_ < time_between_reports) return;
@@ -361,6 +396,8 @@ void Frame::close(bool current) {
   const SignalsWait signals_wait;
   if (current) flush();
   held_.clear();
+  receivers_.clear();
+  casts_ = false;
   if (reflections_ && !current) reflections_->abandon();
   pending_.reset();
   reflections_.reset();

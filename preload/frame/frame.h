@@ -13,6 +13,7 @@
 #include "preload/frame/scene_file.h"
 #include "preload/frame/survey.h"
 #include "preload/gl/saved_state.h"
+#include "preload/rays/receivers.h"
 #include "preload/rays/reflections.h"
 #include "preload/rays/traced_scene.h"
 
@@ -57,9 +58,11 @@ class Frame {
   void compare_no_more();
 
   bool is_holding() const { return !held_.empty(); }
+  // Whether something is drawn at the end of the frame: what is held back, or shadows.
+  bool is_waiting() const { return is_holding() || !receivers_.empty() || casts_; }
   // Calls of the program that come meanwhile are those of another thread, in a signal handler as a rule.
   bool is_flushing() const { return flushing_; }
-  // Makes all draws that are held back.
+  // Draws shadows, and makes all draws that are held back.
   void flush();
   // At the swap.
   void end();
@@ -78,7 +81,7 @@ class Frame {
     std::vector<Piece> pieces;
     GLuint list = 0;
     SavedState state;
-    std::vector<Reflector> reflectors;
+    std::vector<Reflector> reflectors, bending;  // drawn after it and before it
     bool in_turn = false;
   };
   enum class Draws { all, in_turn, waiting };
@@ -93,13 +96,17 @@ class Frame {
   // Whether the draw looks otherwise where what is held back is drawn after it.
   bool depends_on_held(const DrawState& state) const;
   bool wants_scene() const { return tracing_ && !settings().off; }
+  // Blended draws wait, for shadows or for what they reflect.
+  bool holds_later() const { return is_holding() || casts_; }
+  bool is_lit_by_sun(const DrawState& state) const { return rules_.sun() >= 0 && state.lighting && Receivers::may_receive(state); }
+  Batch batch() const;
   // Blended as it is, it hides what is behind it, but for holes of its texture.
   bool covers(const DrawState& state, const Geometry* geometry, bool& has_holes);
   void make_scene();
   void add_reflector(Held& held, const Piece& piece);
   void trace_and_draw();
-  bool try_to_trace();
-  bool trace();
+  bool try_to_trace(const Batch& batch);
+  bool trace(const Batch& batch);
   void draw_held(Draws which, bool with_rays);
   void draw_both_ways();
   void draw_marks();
@@ -115,13 +122,15 @@ class Frame {
   std::unique_ptr<TracedScene> scene_;
   std::unique_ptr<Reflections> reflections_;
   std::vector<Held> held_;
+  Receivers receivers_;
   // An opaque draw that the scene has not got yet: the next draw may multiply a light map onto it.
   std::optional<Piece> pending_;
   float pending_tint_[4] = {};
   Matrix projection_{};
   std::array<GLint, 4> viewport_{};
   bool drew_opaque_ = false, flushing_ = false;
-  bool tracing_ = false;     // frames have reflecting surfaces: opaque draws are captured
+  bool tracing_ = false;     // frames have reflecting surfaces or shadows: opaque draws are captured
+  bool casts_ = false;       // something has been drawn that the sun lights, and its shadows have not
   bool holds_stencil_ = false;  // what is held back tests the stencil, and may write it
   bool compares_ = false;    // this frame is drawn both ways
   std::optional<Picture> start_;  // before the first draw that is held back, where it is

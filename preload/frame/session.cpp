@@ -173,7 +173,7 @@ bool Session::call_list(GLuint list) {
 void Session::before_other(const char* name) {
   if (!looks() || lists_.is_recording()) return;
   frame_.survey().miss(name);
-  before_change();
+  before_cut();
 }
 
 void Session::uses_shaders(const char* name) {

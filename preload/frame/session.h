@@ -43,6 +43,8 @@ class Session {
   void before_change() {
     if (frame_.is_holding()) frame_.flush();
   }
+  // What has been drawn so far ends here: depth is cleared, or the picture is copied.
+  void before_cut() { frame_.flush(); }
   void uses_shaders(const char* name);
   bool is_recording() const { return lists_.is_recording(); }
 

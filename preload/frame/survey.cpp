@@ -21,7 +21,7 @@ std::string described(Taking taking, const Rule& rule) {
     case Taking::sky:
       return "sky";
     case Taking::reflects:
-      return rule.guessed ? "glass (guessed)" : kind_name(rule.kind);
+      return kind_name(rule.kind) + std::string(rule.guessed ? " (guessed)" : "");
     case Taking::held:
       return "held back, drawn as ever";
     default:
@@ -94,23 +94,31 @@ void Survey::end_frame(const Frame& frame) {
   total_.held += frame.held;
   total_.batches += frame.batches;
   total_.reflecting += frame.reflecting;
+  total_.shadow_rays += frame.shadow_rays;
   if (frame.batches > 0) last_ = frame;
-  if (frame.reflecting == 0 || frame.pixels == 0) return;
-  const double share = static_cast<double>(frame.reflecting) / static_cast<double>(frame.pixels);
-  ++frames_with_rays_;
+  if (frame.pixels == 0 || frame.reflecting + frame.in_shadow == 0) return;
+  const auto pixels = static_cast<double>(frame.pixels);
+  const double share = static_cast<double>(frame.reflecting) / pixels;
+  if (frame.reflecting > 0) ++frames_with_rays_;
+  if (frame.in_shadow > 0) ++frames_with_shadows_;
+  ++frames_traced_;
   share_ += share;
   most_share_ = std::max(most_share_, share);
+  shadow_share_ += static_cast<double>(frame.in_shadow) / pixels;
   trace_ms_ += frame.trace_ms;
 }
 
 std::string Survey::figures() const {
-  const double with_rays = std::max<double>(1, static_cast<double>(frames_with_rays_));
+  const auto mean = [](double sum, uint64_t frames) { return sum / std::max<double>(1, static_cast<double>(frames)); };
   const std::pair<const char*, std::string> rows[] = {
       {"frames", std::to_string(frame_ - 1)},
       {"frames_with_rays", std::to_string(frames_with_rays_)},
       {"fragments_by_rays", std::to_string(total_.reflecting)},
-      {"mean_share_of_pixels", text("%.4f", share_ / with_rays)},
+      {"mean_share_of_pixels", text("%.4f", mean(share_, frames_with_rays_))},
       {"largest_share_of_pixels", text("%.4f", most_share_)},
+      {"frames_with_shadows", std::to_string(frames_with_shadows_)},
+      {"mean_share_in_shadow", text("%.4f", mean(shadow_share_, frames_with_shadows_))},
+      {"shadow_rays", std::to_string(total_.shadow_rays)},
       {"layers_found", std::to_string(total_.layers)},
       {"reflection_rays", std::to_string(total_.rays)},
       {"draws_held", std::to_string(total_.held)},
@@ -119,7 +127,7 @@ std::string Survey::figures() const {
       {"memory_mb_at_frame_100", text("%.0f", memory_mb_[0])},
       {"memory_mb_at_frame_1000", text("%.0f", memory_mb_[1])},
       {"memory_mb", text("%.0f", memory_mb())},
-      {"mean_trace_ms", text("%.2f", trace_ms_ / with_rays)},
+      {"mean_trace_ms", text("%.2f", mean(trace_ms_, frames_traced_))},
       {"instances_of_last_traced_frame", std::to_string(last_.instances)},
       {"meshes_kept", std::to_string(last_.meshes)},
       {"textures_met", std::to_string(textures_.size() - textures_.count(0))}};

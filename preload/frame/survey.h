@@ -23,10 +23,10 @@ class Survey {
     std::set<std::string> taken;
   };
   struct Frame {
-    uint64_t pixels = 0, reflecting = 0;  // of the view, and fragments that show rays
+    uint64_t pixels = 0, reflecting = 0, in_shadow = 0;  // of the view; fragments that show rays; pixels that shadows darken
     double trace_ms = 0, frame_ms = 0;  // 0 = not known
     size_t instances = 0, meshes = 0, held = 0, batches = 0;
-    uint64_t rays = 0, layers = 0;
+    uint64_t rays = 0, shadow_rays = 0, layers = 0;
   };
 
   void note(const Texture& texture, uint64_t mesh, const DrawState& state, Taking taking, const Rule& rule);
@@ -45,8 +45,8 @@ class Survey {
   std::string figures() const;
   std::string table(const std::map<uint64_t, Entry>& entries, bool with_pictures) const;
 
-  uint64_t frame_ = 1, frames_with_rays_ = 0;
-  double share_ = 0, most_share_ = 0, trace_ms_ = 0;
+  uint64_t frame_ = 1, frames_with_rays_ = 0, frames_with_shadows_ = 0, frames_traced_ = 0;
+  double share_ = 0, most_share_ = 0, shadow_share_ = 0, trace_ms_ = 0;
   std::vector<float> frame_ms_;
   double memory_mb_[2] = {};  // at frames 100 and 1000
   Frame last_, total_;

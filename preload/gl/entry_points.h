@@ -22,7 +22,7 @@
   X(GetBufferParameteriv) X(GetBufferSubData) X(GenTextures) X(GenFramebuffers) X(DeleteFramebuffers)                      \
   X(FramebufferTexture2D) X(CheckFramebufferStatus) X(ClearColor) X(CreateShader) X(ShaderSource) X(CompileShader)         \
   X(GetShaderiv) X(GetShaderInfoLog) X(DeleteShader) X(CreateProgram) X(AttachShader) X(LinkProgram) X(GetProgramiv)       \
-  X(GetProgramInfoLog) X(DeleteProgram) X(GetUniformLocation) X(Uniform1f) X(UniformMatrix4fv) X(GenQueries) X(DeleteQueries)                   \
+  X(GetProgramInfoLog) X(DeleteProgram) X(GetUniformLocation) X(Finish) X(Uniform1f) X(Uniform1i) X(Uniform2f) X(Uniform3f) X(UniformMatrix4fv) X(GenQueries) X(DeleteQueries)                   \
   X(BeginQuery) X(EndQuery) X(GetQueryObjectuiv) X(WindowPos2i) X(PixelZoom)
 
 // X(NAME): functions that programs call through the library. hooks/ defines each of them.

@@ -103,7 +103,7 @@ OTHER(DrawElementsBaseVertex, (GLenum mode, GLsizei count, GLenum type, const vo
       (mode, count, type, indices, base))
 
 void glClear(GLbitfield mask) {
-  if (session().looks()) session().before_change();
+  if (session().looks()) session().before_cut();
   real().Clear(mask);
 }
 

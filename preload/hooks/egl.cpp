@@ -1,6 +1,7 @@
 // EGL: swaps, contexts, and functions by name.
 #include <EGL/egl.h>
 
+#include "preload/base/signals.h"
 #include "preload/frame/session.h"
 #include "preload/gl/functions.h"
 #include "preload/hooks/names.h"
@@ -23,8 +24,11 @@ extern "C" {
 
 EGLBoolean eglSwapBuffers(EGLDisplay display, EGLSurface surface) {
   static const auto swap = real_egl<decltype(&::eglSwapBuffers)>("eglSwapBuffers");
+  const SignalsWait signals_wait;
   session().swap();
-  return swap(display, surface);
+  const EGLBoolean done = swap(display, surface);
+  if (signals_wait.has_one() && current_egl_context()) real().Finish();
+  return done;
 }
 
 EGLBoolean eglMakeCurrent(EGLDisplay display, EGLSurface draw, EGLSurface read, EGLContext context) {

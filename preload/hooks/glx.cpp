@@ -1,4 +1,5 @@
 // GLX: swaps, contexts, and functions by name.
+#include "preload/base/signals.h"
 #include "preload/frame/session.h"
 #include "preload/gl/functions.h"
 #include "preload/hooks/names.h"
@@ -22,8 +23,10 @@ extern "C" {
 
 void glXSwapBuffers(Display* display, GLXDrawable drawable) {
   static const auto swap = real_function<decltype(&::glXSwapBuffers)>("glXSwapBuffers");
+  const SignalsWait signals_wait;
   session().swap();
   swap(display, drawable);
+  if (signals_wait.has_one()) real().Finish();
 }
 
 Bool glXMakeCurrent(Display* display, GLXDrawable drawable, GLXContext context) {

@@ -43,11 +43,13 @@ void glCompressedTexImage2D(GLenum target, GLint level, GLenum format, GLsizei w
 
 void glCopyTexImage2D(GLenum target, GLint level, GLenum format, GLint x, GLint y, GLsizei width, GLsizei height, GLint border) {
   change_texture(target);
+  if (session().looks()) session().before_cut();
   real().CopyTexImage2D(target, level, format, x, y, width, height, border);
 }
 
 void glCopyTexSubImage2D(GLenum target, GLint level, GLint dx, GLint dy, GLint x, GLint y, GLsizei width, GLsizei height) {
   change_texture(target);
+  if (session().looks()) session().before_cut();
   real().CopyTexSubImage2D(target, level, dx, dy, x, y, width, height);
 }
 
@@ -91,7 +93,7 @@ void glDeleteBuffers(GLsizei count, const GLuint* names) {
 }
 
 void glBindFramebuffer(GLenum target, GLuint name) {
-  if (session().looks()) session().before_change();
+  if (session().looks()) session().before_cut();
   real().BindFramebuffer(target, name);
 }
 

@@ -17,6 +17,16 @@ float mirrored_depth(const sideray_shading_point& point) {
   return length > 0 ? std::abs(mirror[2]) * (1 + point.distance / length) : point.distance;
 }
 
+// 1 for what the eye sees first, whose reflection is weighted as it is drawn; behind glass that bends light, Schlick's share.
+float reflected_share(float reflectance, const sideray_shading_point& point) {
+  double square = 0;
+  for (const double p : point.position) square += p * p;
+  if (std::abs(static_cast<double>(point.distance) - std::sqrt(square)) <= 1e-3 * std::sqrt(square)) return 1;
+  float cosine = 0;
+  for (int c = 0; c < 3; ++c) cosine += point.normal[c] * point.to_eye[c];
+  return reflectance + (1 - reflectance) * std::pow(1 - std::clamp(cosine, 0.0f, 1.0f), 5.0f);
+}
+
 // The OpenGL Graphics System, version 2.1, section 3.10.
 float share_in_fog(const Fog& fog, float depth) {
   float share = 0;
@@ -47,16 +57,23 @@ uint64_t Looks::add(const DrawState& state, const float tint[4]) {
   return looks_.size() - 1;
 }
 
-uint64_t Looks::add_mirror(const DrawState& state, const float tint[4]) {
+uint64_t Looks::add_mirror(const DrawState& state, const float tint[4], float reflectance) {
   looks_.push_back(look_of(state, tint));
   looks_.back().mirrors = true;
+  looks_.back().reflectance = reflectance;
+  return looks_.size() - 1;
+}
+
+uint64_t Looks::add_clear() {
+  looks_.emplace_back().clear = true;
   return looks_.size() - 1;
 }
 
 void Looks::shade(const Look& look, const sideray_shading_point& point, sideray_shading_result& result) {
-  const bool is_seen_first = point.bounce == 0;
-  for (float& reflectance : result.reflectance) reflectance = look.mirrors && is_seen_first ? 1.0f : 0.0f;
-  if (look.mirrors && is_seen_first) {
+  // Rays of the eye meet it, straight or bent; in mirrors it is drawn as it is lit.
+  const bool is_translucent = (look.mirrors || look.clear) && point.bounce == 0;
+  for (float& reflectance : result.reflectance) reflectance = look.mirrors && is_translucent ? reflected_share(look.reflectance, point) : 0.0f;
+  if (is_translucent) {
     for (float& radiance : result.radiance) radiance = 0;
     return;
   }

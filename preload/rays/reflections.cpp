@@ -7,11 +7,11 @@
 
 #include "preload/base/settings.h"
 #include "preload/gl/functions.h"
+#include "preload/gl/objects.h"
 
 namespace sideray::run {
 namespace {
 
-constexpr GLenum first_unit = 4;  // behind those that the fixed function of such programs uses
 
 constexpr const char* vertex_text = R"(#version 120
 uniform mat4 before;
@@ -27,7 +27,8 @@ void main() {
 // is drawn already.
 constexpr const char* fragment_text = R"(
 varying vec3 eye_position, position_before;
-uniform float surface, reflectance, fresnel, late, marks;
+uniform float surface, reflectance, fresnel, late;
+uniform float shown;  // 0 = what it reflects, 1 = what is seen through it, 2 = white
 
 // An answer where the surface was. The distance counts less than it does to sideray_find() and sideray_find_moving(): the surface
 // id is that of one draw, water heaves, and what OpenGL interpolates over large polygons is coarser than a rounding.
@@ -52,7 +53,8 @@ void main() {
   float cosine = clamp(abs(dot(normal, normalize(eye_position))), 0.0, 1.0);
   float weight = reflectance + fresnel * (1.0 - reflectance) * pow(1.0 - cosine, 5.0);
   if (!found) discard;
-  gl_FragColor = marks > 0.5 ? vec4(1.0) : vec4(weight * reflected, weight);
+  if (shown > 0.5) weight = 1.0;
+  gl_FragColor = shown > 1.5 ? vec4(1.0) : vec4(weight * reflected, weight);
 }
 )";
 
@@ -67,35 +69,6 @@ Service make_service(const TracedScene& scene) {
 
 [[noreturn]] void refuse(const std::string& what) {
   throw Error(SIDERAY_UNSUPPORTED, what);
-}
-
-GLuint compile(GLenum type, const std::string& text) {
-  const Functions& gl = real();
-  const GLuint shader = gl.CreateShader(type);
-  const char* source = text.c_str();
-  gl.ShaderSource(shader, 1, &source, nullptr);
-  gl.CompileShader(shader);
-  GLint done = 0;
-  gl.GetShaderiv(shader, GL_COMPILE_STATUS, &done);
-  if (done) return shader;
-  char log[512] = "";
-  gl.GetShaderInfoLog(shader, sizeof(log), nullptr, log);
-  refuse(std::string("the driver does not compile the shader of reflections: ") + log);
-}
-
-GLuint link() {
-  const Functions& gl = real();
-  const GLuint program = gl.CreateProgram();
-  for (const GLuint shader : {compile(GL_VERTEX_SHADER, vertex_text),
-                              compile(GL_FRAGMENT_SHADER, std::string("#version 120\n") + sideray_glsl(120) + fragment_text)}) {
-    gl.AttachShader(program, shader);
-    gl.DeleteShader(shader);
-  }
-  gl.LinkProgram(program);
-  GLint done = 0;
-  gl.GetProgramiv(program, GL_LINK_STATUS, &done);
-  if (!done) refuse("the driver does not link the shader of reflections");
-  return program;
 }
 
 std::array<double, 16> inverse(const Matrix& matrix) {
@@ -153,24 +126,17 @@ void test_depth() {
   gl.PolygonOffset(-1, -2);
 }
 
-GLuint make_texture() {
-  const Functions& gl = real();
-  GLuint texture = 0;
-  gl.GenTextures(1, &texture);
-  gl.BindTexture(GL_TEXTURE_2D, texture);
-  for (const GLenum filter : {GLenum{GL_TEXTURE_MIN_FILTER}, GLenum{GL_TEXTURE_MAG_FILTER}}) gl.TexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
-  return texture;
-}
-
 }  // namespace
 
-Reflections::Reflections(const TracedScene& scene) : service_(make_service(scene)), program_(link()) {
+Reflections::Reflections(const TracedScene& scene)
+    : service_(make_service(scene)),
+      program_(make_program(vertex_text, std::string("#version 120\n") + sideray_glsl(120) + fragment_text, "reflections")) {
   const Functions& gl = real();
   surface_location_ = gl.GetUniformLocation(program_, "surface");
   reflectance_location_ = gl.GetUniformLocation(program_, "reflectance");
   fresnel_location_ = gl.GetUniformLocation(program_, "fresnel");
   late_location_ = gl.GetUniformLocation(program_, "late");
-  marks_location_ = gl.GetUniformLocation(program_, "marks");
+  shown_location_ = gl.GetUniformLocation(program_, "shown");
   before_location_ = gl.GetUniformLocation(program_, "before");
 }
 
@@ -185,6 +151,7 @@ Reflections::~Reflections() {
 
 void Reflections::abandon() {
   service_.abandon_context();
+  if (shadows_) shadows_->abandon();
   program_ = framebuffer_ = depth_ = mask_ = 0;
   queries_.clear();
   views_.clear();
@@ -201,14 +168,17 @@ void Reflections::make_target(GLint width, GLint height) {
   gl.CopyTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, 0, 0, width, height, 0);
 }
 
-void Reflections::draw_mask(const std::vector<Reflector>& reflectors, const std::vector<const SavedState*>& states, const Matrix& projection,
-                            const std::array<GLint, 4>& viewport) {
+void Reflections::copy_depth(const std::array<GLint, 4>& viewport) {
   const Functions& gl = real();
   gl.ActiveTexture(GL_TEXTURE0);
   if (gl.BindBuffer) gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
   make_target(viewport[0] + viewport[2], viewport[1] + viewport[3]);
   gl.BindTexture(GL_TEXTURE_2D, depth_);
   gl.CopyTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 0, 0, width_, height_);
+}
+
+void Reflections::draw_mask(const Batch& batch) {
+  const Functions& gl = real();
   gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, mask_, 0);
   gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth_, 0);
@@ -217,8 +187,8 @@ void Reflections::draw_mask(const std::vector<Reflector>& reflectors, const std:
   gl.ColorMask(1, 1, 1, 1);
   gl.ClearColor(0, 0, 0, 0);
   gl.Clear(GL_COLOR_BUFFER_BIT);
-  for (size_t i = 0; i < reflectors.size(); ++i) {
-    states[i]->apply();
+  for (size_t i = 0; i < batch.reflectors.size(); ++i) {
+    batch.states[i]->apply();
     for (const GLenum off : {GL_LIGHTING, GL_FOG, GL_BLEND, GL_ALPHA_TEST, GL_STENCIL_TEST, GL_POLYGON_STIPPLE, GL_COLOR_LOGIC_OP}) gl.Disable(off);
     for (GLenum unit = 0; unit < 4; ++unit) {
       gl.ActiveTexture(GL_TEXTURE0 + unit);
@@ -227,13 +197,14 @@ void Reflections::draw_mask(const std::vector<Reflector>& reflectors, const std:
     }
     gl.ColorMask(1, 1, 1, 1);
     test_depth();
-    load_matrices(projection, reflectors[i].modelview);
+    const Reflector& reflector = batch.reflectors[i];
+    load_matrices(batch.projection, reflector.modelview);
     // White: arrays would bring the program's colours.
     gl.UseProgram(0);
     Geometry white;
-    white.mode = reflectors[i].geometry->mode;
-    white.indices = reflectors[i].geometry->indices;
-    white.vertices = reflectors[i].geometry->vertices;
+    white.mode = reflector.geometry->mode;
+    white.indices = reflector.geometry->indices;
+    white.vertices = reflector.geometry->vertices;
     for (Vertex& vertex : white.vertices)
       for (float& c : vertex.color) c = 1;
     run::draw(white);
@@ -241,10 +212,11 @@ void Reflections::draw_mask(const std::vector<Reflector>& reflectors, const std:
   gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
 }
 
-void Reflections::submit(const std::vector<Reflector>& reflectors, const Matrix& projection, const std::array<GLint, 4>& viewport) {
+void Reflections::submit(const Batch& batch) {
+  const std::array<GLint, 4>& viewport = batch.viewport;
   FrameInputs inputs;
   inputs.frame.view_id = batch_;
-  inputs.frame.view = view_of(projection);
+  inputs.frame.view = view_of(batch.projection);
   inputs.frame.source.framebuffer = 0;
   inputs.frame.source.x = viewport[0];
   inputs.frame.source.y = viewport[1];
@@ -253,12 +225,25 @@ void Reflections::submit(const std::vector<Reflector>& reflectors, const Matrix&
   inputs.frame.source.mask = SIDERAY_MASK_TEXTURE;
   inputs.frame.source.mask_texture = mask_;
   inputs.layers->float_ids = 1;
-  inputs.layers->max_layers = 4;
-  inputs.frame.shadows = 0;
+  const bool bends = std::any_of(batch.reflectors.begin(), batch.reflectors.end(), [](const Reflector& reflector) { return reflector.ids.bent != 0; });
+  inputs.layers->refraction = bends;
+  inputs.layers->max_layers = bends ? 6 : 4;  // what bends light has two
+  if (batch.reflectors.empty()) inputs.layers.reset();
+  inputs.frame.shadows = batch.has_shadows();
+  if (batch.has_shadows()) {
+    inputs.masks = sideray_mask_inputs_defaults();
+    inputs.masks->shadow_lights = 1;
+    inputs.masks->denoise = 0;
+    inputs.masks->moving = settings().late;
+    inputs.masks->shadow_bias_steps = 4;  // large polygons: what OpenGL interpolates is coarser than a step
+  }
   View& view = views_[batch_];
   view.ticket = service_.submit(inputs);
   view.places.clear();
-  for (const Reflector& reflector : reflectors) view.places[reflector.surface_id] = reflector.modelview;
+  view.receivers.clear();
+  for (const Reflector& reflector : batch.reflectors)
+    for (const uint32_t id : {reflector.ids.mirror, reflector.ids.bent}) view.places[id] = reflector.modelview;
+  for (const Receiver& draw : batch.receivers->draws()) view.receivers[draw.name] = draw.modelview;
 }
 
 void Reflections::take_answers(int32_t timeout_ms) {
@@ -267,23 +252,37 @@ void Reflections::take_answers(int32_t timeout_ms) {
   view.stats = service_.stats(*view.ticket);
   view.ticket.reset();
   view.answered = std::move(view.places);
+  view.shadowed = std::move(view.receivers);
 }
 
-void Reflections::trace(uint32_t batch, const std::vector<Reflector>& reflectors, const std::vector<const SavedState*>& states,
-                        const Matrix& projection, const std::array<GLint, 4>& viewport) {
-  batch_ = batch;
+void Reflections::trace(const Batch& batch) {
+  batch_ = batch.number;
   take_answers(0);
+  const bool is_free = !views_[batch_].ticket;
+  if (is_free || batch.has_shadows()) copy_depth(batch.viewport);
   // Where rays take longer than a frame, frames in between are not traced.
-  if (!views_[batch_].ticket) {
-    draw_mask(reflectors, states, projection, viewport);
-    submit(reflectors, projection, viewport);
+  if (is_free) {
+    draw_mask(batch);
+    submit(batch);
   }
   if (!settings().late) take_answers(-1);
 }
 
-void Reflections::draw(const Reflector& reflector, bool marks) {
-  const auto before = view().answered.find(reflector.surface_id);
-  if (before == view().answered.end()) return;
+void Reflections::draw_shadows(const Batch& batch) {
+  if (!batch.has_shadows()) return;
+  if (!shadows_) shadows_ = std::make_unique<Shadows>();
+  shadows_->draw({&batch.receivers->draws(), batch.sun, &view().shadowed, depth_, batch.projection, batch.viewport}, service_, batch_);
+}
+
+void Reflections::mark_shadows(const std::array<GLint, 4>& viewport) {
+  if (shadows_) shadows_->mark(viewport);
+}
+
+void Reflections::draw(const Reflector& reflector, Shown shown) {
+  const bool behind = shown == Shown::behind || shown == Shown::marks_behind, marks = shown == Shown::marks || shown == Shown::marks_behind;
+  const uint32_t id = behind ? reflector.ids.bent : reflector.ids.mirror;
+  const auto before = view().answered.find(id);
+  if (id == 0 || before == view().answered.end()) return;
   const Functions& gl = real();
   test_depth();
   gl.Enable(GL_BLEND);
@@ -292,15 +291,15 @@ void Reflections::draw(const Reflector& reflector, bool marks) {
   gl.Disable(GL_ALPHA_TEST);
   gl.MatrixMode(GL_MODELVIEW);
   gl.LoadMatrixf(reflector.modelview.data());
-  service_.bind(program_, first_unit, batch_);
+  service_.bind(program_, service_unit, batch_);
   gl.UseProgram(program_);
-  gl.Uniform1f(surface_location_, static_cast<float>(reflector.surface_id));
+  gl.Uniform1f(surface_location_, static_cast<float>(id));
   gl.Uniform1f(reflectance_location_, reflector.reflectance);
   gl.Uniform1f(fresnel_location_, reflector.fresnel ? 1.0f : 0.0f);
   gl.Uniform1f(late_location_, settings().late ? 1.0f : 0.0f);
-  gl.Uniform1f(marks_location_, marks ? 1.0f : 0.0f);
+  gl.Uniform1f(shown_location_, marks ? 2.0f : behind ? 1.0f : 0.0f);
   gl.UniformMatrix4fv(before_location_, 1, GL_FALSE, before->second.data());
-  if (marks) {
+  if (marks || behind) {  // only what it reflects is counted, which lies over both
     run::draw(*reflector.geometry);
   } else {
     GLuint query = 0;

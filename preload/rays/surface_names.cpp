@@ -3,7 +3,7 @@
 namespace sideray::run {
 namespace {
 
-constexpr uint32_t largest = (1u << 24) - 1;  // floats hold them
+constexpr uint32_t largest = (1u << 23) - 1;  // floats hold twice as many
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// Surface ids that stay from frame to frame, so that an answer of an earlier frame finds its surface.
+// Numbers of surfaces that stay from frame to frame, so that an answer of an earlier frame finds its surface.
 #pragma once
 
 #include <cstdint>

@@ -31,6 +31,10 @@ void normalize_normals(std::vector<Vertex>& vertices) {
   }
 }
 
+sideray_wrap wrap_of(GLint mode) {
+  return mode == GL_REPEAT ? SIDERAY_REPEAT : mode == GL_MIRRORED_REPEAT ? SIDERAY_MIRROR : SIDERAY_CLAMP;
+}
+
 sideray_attribute attribute(const float* data) {
   return {data, sizeof(Vertex)};
 }
@@ -44,6 +48,7 @@ void TracedScene::begin_frame() {
   wanted_.clear();
   looks_.clear();
   names_.begin_frame();
+  bent_names_.begin_frame();
   sheets_ = 0;
   drop_old();
 }
@@ -71,9 +76,10 @@ void TracedScene::drop_old() {
   drop(textures_, [this](sideray_texture name) { scene_.remove_texture(name); });
 }
 
-sideray_mesh TracedScene::mesh(const SceneDraw& draw) {
+sideray_mesh TracedScene::mesh(const SceneDraw& draw, bool colored) {
   const DrawState& state = *draw.state;
-  const bool lit = state.lighting, colored = state.shows_colors() && !state.shows_texture_alone();
+  const bool lit = state.lighting;
+  colored = colored && state.shows_colors() && !state.shows_texture_alone();
   const int units[2] = {state.unit_of_layer(0), state.unit_of_layer(1)};
   uint64_t key = mix(draw.hash, (lit ? 1u : 0u) + (colored ? 2u : 0u) + 4u * static_cast<unsigned>(units[0] + 1) + 64u * static_cast<unsigned>(units[1] + 1));
   for (const int unit : units) key = mix(key, hash_of_coordinates(state, unit));
@@ -112,34 +118,68 @@ sideray_texture TracedScene::texture(const Texture& texture) {
   return at->second.name;
 }
 
-sideray_material TracedScene::material(const SceneDraw& draw, bool mirrors) {
-  const Texture &first = *draw.textures[0], &second = *draw.textures[1];
+sideray_texture_slot TracedScene::slot(const Texture& from) {
+  sideray_texture_slot slot = sideray_material_defaults().base_color_texture;
+  slot.texture = texture(from);
+  slot.wrap_u = wrap_of(from.wrap[0]), slot.wrap_v = wrap_of(from.wrap[1]);
+  if (from.magnified == GL_NEAREST) slot.filter = SIDERAY_NEAREST;
+  return slot;
+}
+
+sideray_material TracedScene::opaque_material(const SceneDraw& draw) {
   // Of what is blended (clouds, hills before a sky) rays see what covers more than half.
-  const float cutoff = mirrors ? 0 : draw.state->blend ? 0.5f : draw.state->alpha_test ? draw.state->alpha_reference : 0;
-  const auto [at, is_new] = materials_.try_emplace({first.hash, second.hash, mirrors, cutoff});
+  const DrawState& state = *draw.state;
+  const float cutoff = state.blend ? 0.5f : state.alpha_test ? state.alpha_reference : 0;
+  return material({{draw.textures[0]->hash, draw.textures[1]->hash}, Role::opaque, cutoff}, draw);
+}
+
+sideray_material TracedScene::material(const MaterialKey& key, const SceneDraw& draw) {
+  const auto [at, is_new] = materials_.try_emplace(key);
   at->second.last_frame = frame_;
-  for (const Texture* used : {&first, &second})
-    if (used->hash != 0 && !mirrors) texture(*used);
-  if (!is_new) return at->second.name;
-  sideray_material_desc desc = sideray_material_defaults();
-  desc.double_sided = 1;
-  desc.alpha_mode = mirrors ? SIDERAY_BLEND : cutoff > 0 ? SIDERAY_MASK : SIDERAY_OPAQUE;
-  desc.alpha_cutoff = cutoff;
-  if (mirrors) desc.base_color[3] = 0.5f;
-  // Layers of glass are what it mirrors: holes of its texture are those of the program's own picture.
-  if (first.hash != 0 && !mirrors) desc.base_color_texture.texture = texture(first);
-  if (second.hash != 0 && !mirrors) {
-    desc.emissive_texture.texture = texture(second);  // a light map: Looks multiplies by it
-    desc.emissive_texture.uv_set = 1;
-    std::fill_n(desc.emissive, 3, 1.0f);
-  }
-  at->second.name = scene_.add_material(desc);
+  for (size_t i = 0; i < 2; ++i)
+    if (key.textures[i] != 0) texture(*draw.textures[i]);
+  if (is_new) at->second.name = scene_.add_material(describe(key, draw));
   return at->second.name;
 }
 
-bool TracedScene::place(const SceneDraw& draw, float scale, sideray_instance_desc& instance) {
+sideray_material_desc TracedScene::describe(const MaterialKey& key, const SceneDraw& draw) {
+  sideray_material_desc desc = sideray_material_defaults();
+  desc.double_sided = 1;
+  switch (key.role) {
+    case Role::opaque:
+      desc.alpha_mode = key.value > 0 ? SIDERAY_MASK : SIDERAY_OPAQUE;
+      desc.alpha_cutoff = key.value;
+      break;
+    case Role::caster:
+      desc.alpha_mode = SIDERAY_BLEND;
+      desc.base_color[3] = key.value;
+      break;
+    case Role::mirror:
+      desc.alpha_mode = SIDERAY_BLEND;
+      desc.base_color[3] = 0.5f;
+      break;
+    case Role::clear_mirror:
+    case Role::bent:  // what it mirrors is another surface's
+      desc.transmission = 1;
+      desc.specular = 0;
+      desc.roughness = 0;
+      desc.thickness = key.role == Role::bent ? 1.0f : 0.0f;
+      desc.ior = key.role == Role::bent ? key.value : 1.5f;
+      break;
+  }
+  // Layers of glass are what it mirrors: holes of its texture are those of the program's own picture.
+  if (key.textures[0] != 0) desc.base_color_texture = slot(*draw.textures[0]);
+  if (key.textures[1] != 0) {
+    desc.emissive_texture = slot(*draw.textures[1]);  // a light map: Looks multiplies by it
+    desc.emissive_texture.uv_set = 1;
+    std::fill_n(desc.emissive, 3, 1.0f);
+  }
+  return desc;
+}
+
+bool TracedScene::place(const SceneDraw& draw, float scale, bool colored, sideray_instance_desc& instance) {
   if (!draw.geometry->is_surface() || !is_affine_and_invertible(draw.state->modelview)) return false;
-  instance.mesh = mesh(draw);
+  instance.mesh = mesh(draw, colored);
   if (instance.mesh == 0) return false;
   for (size_t column = 0; column < 4; ++column)
     for (size_t row = 0; row < 3; ++row)
@@ -149,32 +189,69 @@ bool TracedScene::place(const SceneDraw& draw, float scale, sideray_instance_des
 
 void TracedScene::add_opaque(const SceneDraw& draw) {
   sideray_instance_desc instance{};
-  if (!place(draw, 1, instance)) return;
-  instance.material = material(draw, false);
+  if (!place(draw, 1, true, instance)) return;
+  instance.material = opaque_material(draw);
   instance.user = looks_.add(*draw.state, draw.tint);
   instance.visibility = SIDERAY_VISIBLE_REFLECTION;
+  if (has_sun_) instance.visibility |= SIDERAY_VISIBLE_SHADOW;
   wanted_.push_back(instance);
 }
 
 void TracedScene::add_sky(const SceneDraw& draw) {
   sideray_instance_desc instance{};
-  if (!place(draw, sky_scale * std::pow(0.9f, static_cast<float>(sheets_)), instance)) return;
+  if (!place(draw, sky_scale * std::pow(0.9f, static_cast<float>(sheets_)), true, instance)) return;
   ++sheets_;
-  instance.material = material(draw, false);
+  instance.material = opaque_material(draw);
   instance.user = looks_.add(*draw.state, draw.tint);
   instance.visibility = SIDERAY_VISIBLE_REFLECTION;
   wanted_.push_back(instance);
 }
 
-uint32_t TracedScene::add_mirror(const SceneDraw& draw) {
+// What bends light is two surfaces, of which the one that reflects lies before the other by a rounding: then what the program
+// draws of its own goes between the two.
+MirrorIds TracedScene::add_mirror(const SceneDraw& draw, const Rule& rule) {
+  constexpr float behind = 1.0001f;
   sideray_instance_desc instance{};
-  if (!place(draw, 1, instance)) return 0;
-  instance.material = material(draw, true);
-  instance.user = looks_.add_mirror(*draw.state, draw.tint);
+  const bool bends = rule.ior > 1;
+  if (!place(draw, 1, !bends, instance)) return {};
+  const uint64_t mesh_hash = hash_of(*draw.geometry, {false, false, 0}), texture_hash = draw.textures[0]->hash;
+  MirrorIds ids;
+  instance.material = material({{0, 0}, bends ? Role::clear_mirror : Role::mirror, 0}, draw);
+  instance.user = looks_.add_mirror(*draw.state, draw.tint, rule.reflectance);
   instance.visibility = SIDERAY_VISIBLE_LAYERS;
-  instance.surface_id = names_.name(hash_of(*draw.geometry, {false, false, 0}), draw.textures[0]->hash);
+  instance.surface_id = ids.mirror = 2 * names_.name(mesh_hash, texture_hash) - 1;
   wanted_.push_back(instance);
-  return instance.surface_id;
+  if (has_sun_) add_caster(draw);
+  if (!bends || !place(draw, behind, false, instance)) return ids;
+  instance.material = material({{0, 0}, Role::bent, rule.ior}, draw);
+  instance.user = looks_.add_clear();
+  instance.surface_id = ids.bent = 2 * bent_names_.name(mesh_hash, texture_hash);
+  wanted_.push_back(instance);
+  return ids;
+}
+
+void TracedScene::add_caster(const SceneDraw& draw) {
+  sideray_instance_desc caster{};
+  if (!place(draw, 1, true, caster)) return;
+  // The alpha of vertices is the mesh's.
+  const float alpha = draw.state->blend && !draw.state->shows_colors() ? draw.state->alpha : 1.0f;
+  caster.material = material({{draw.textures[0]->hash, 0}, Role::caster, alpha}, draw);
+  caster.visibility = SIDERAY_VISIBLE_SHADOW;
+  wanted_.push_back(caster);
+}
+
+void TracedScene::set_sun(const FixedLight* sun) {
+  if (!sun || (has_sun_ && std::equal(sun->position, sun->position + 4, sun_.position))) return;
+  has_sun_ = true;
+  sun_ = *sun;
+  sideray_light light = sideray_light_defaults();
+  const float w = sun_.position[3];
+  light.type = w == 0 ? SIDERAY_LIGHT_DIRECTIONAL : SIDERAY_LIGHT_POINT;
+  for (int c = 0; c < 3; ++c) {
+    light.direction[c] = -sun_.position[c];
+    light.position[c] = w == 0 ? 0 : static_cast<double>(sun_.position[c]) / static_cast<double>(w);
+  }
+  scene_.set_lights({&light, 1});
 }
 
 void TracedScene::set_background(const std::array<float, 3>& color) {

@@ -5,8 +5,8 @@
 #include <sideray/sideray.hpp>
 
 #include <array>
+#include <compare>
 #include <map>
-#include <tuple>
 #include <vector>
 
 #include "preload/base/rules.h"
@@ -26,6 +26,12 @@ struct SceneDraw {
   float tint[4] = {1, 1, 1, 1};
 };
 
+// The surface ids of what reflects; 0 = rays cannot hit it.
+struct MirrorIds {
+  uint32_t mirror = 0;  // what it reflects
+  uint32_t bent = 0;    // what is seen through it, where it bends light
+};
+
 class TracedScene {
  public:
   TracedScene();
@@ -34,8 +40,10 @@ class TracedScene {
   void add_opaque(const SceneDraw& draw);
   // A sheet of the sky, which is moved out to where it hides nothing.
   void add_sky(const SceneDraw& draw);
-  // What reflects. Returns its surface id, which it had in the frame before too; 0 = it is no surface that rays can hit.
-  uint32_t add_mirror(const SceneDraw& draw);
+  // What reflects, as a rule says. Its ids are those that it had in the frame before.
+  MirrorIds add_mirror(const SceneDraw& draw, const Rule& rule);
+  // The light that casts shadows, in eye space; null = none. Where there has been one, draws cast shadows.
+  void set_sun(const FixedLight* sun);
   void set_background(const std::array<float, 3>& color);
   // Frames that were submitted before keep what they had.
   void commit();
@@ -57,11 +65,23 @@ class TracedScene {
     Name name = 0;
     uint64_t last_frame = 0;
   };
-  using MaterialKey = std::tuple<uint64_t, uint64_t, bool, float>;
-  bool place(const SceneDraw& draw, float scale, sideray_instance_desc& instance);
-  sideray_mesh mesh(const SceneDraw& draw);
+  // What a surface is for rays.
+  enum class Role { opaque, mirror, clear_mirror, bent, caster };
+  struct MaterialKey {
+    uint64_t textures[2] = {0, 0};
+    Role role = Role::opaque;
+    float value = 0;  // of opaque: the cutoff of alpha; of bent: the index of refraction; of caster: alpha
+    auto operator<=>(const MaterialKey&) const = default;
+  };
+  // `colored`: with the vertices' colours, if they count.
+  bool place(const SceneDraw& draw, float scale, bool colored, sideray_instance_desc& instance);
+  sideray_mesh mesh(const SceneDraw& draw, bool colored);
   sideray_texture texture(const Texture& texture);
-  sideray_material material(const SceneDraw& draw, bool mirrors);
+  sideray_texture_slot slot(const Texture& texture);
+  sideray_material opaque_material(const SceneDraw& draw);
+  sideray_material material(const MaterialKey& key, const SceneDraw& draw);
+  sideray_material_desc describe(const MaterialKey& key, const SceneDraw& draw);
+  void add_caster(const SceneDraw& draw);
   void drop_old();
   void set_looks();
 
@@ -69,8 +89,10 @@ class TracedScene {
   Tracer tracer_;
   Looks looks_;
   uint64_t frame_ = 0;
-  SurfaceNames names_;
+  SurfaceNames names_, bent_names_;
   int sheets_ = 0;
+  FixedLight sun_{};
+  bool has_sun_ = false;
   std::array<float, 3> background_ = {-1, -1, -1};
   std::map<uint64_t, Mesh> meshes_;
   std::map<uint64_t, Kept<sideray_texture>> textures_;

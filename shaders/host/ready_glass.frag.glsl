@@ -7,5 +7,5 @@ varying vec3 sideray_position;
 void main() {
   vec4 color = gl_Color;
   if (sideray_textured != 0) color *= texture2D(sideray_texture, gl_TexCoord[0].xy);
-  gl_FragColor = vec4(sideray_translucent(color.rgb, sideray_position, sideray_surface), color.a);
+  gl_FragColor = sideray_glass(color, sideray_position, sideray_surface);
 }

@@ -16,5 +16,5 @@ void main() {
   vec4 color = gl_Color;
   if (sideray_textured != 0) color = sideray_textured_color(color, texture2D(sideray_texture, gl_TexCoord[0].xy));
   color.rgb = clamp(color.rgb + gl_SecondaryColor.rgb, 0.0, 1.0);
-  gl_FragColor = vec4(sideray_translucent(color.rgb, gl_TexCoord[7].xyz, sideray_surface), color.a);
+  gl_FragColor = sideray_glass(color, gl_TexCoord[7].xyz, sideray_surface);
 }

@@ -171,16 +171,28 @@ struct SiderayFragment {
   SIDERAY_UINT surface_id;
 };
 
+// Over large polygons, which begin behind the eye and end far away, drivers interpolate positions coarsely: they lie on the
+// polygon's plane, but up to several pixels beside the view ray. Returns the distance at which the ray meets the plane.
+float sideray_on_ray(SiderayFragment f) {
+  bool perspective = sideray_eye.w > 0.5;
+  vec3 along = sideray_ray_from_pixel * vec3(f.pixel, 1.0);
+  vec3 origin = perspective ? sideray_eye.xyz : along;
+  vec3 direction = perspective ? normalize(along) : sideray_eye.xyz;
+  float farther = dot(f.normal, f.position - origin - direction * f.distance) / dot(f.normal, direction);
+  // Triangles without an area have no plane.
+  return abs(farther) <= 0.5 * f.distance ? f.distance + farther : f.distance;
+}
+
 // Needs derivatives: call it where control flow is uniform.
 SiderayFragment sideray_fragment(vec3 world_position, SIDERAY_UINT surface_id) {
   SiderayFragment f;
   f.pixel = sideray_pixel();
   f.position = world_position;
-  f.normal = vec3(0.0);
-  if (sideray_rate != 0 || sideray_has_samples()) f.normal = normalize(cross(dFdx(world_position), dFdy(world_position)));
+  f.normal = normalize(cross(dFdx(world_position), dFdy(world_position)));
   f.distance = sideray_distance_to(world_position);
   vec2 beside;
   f.tolerance = sideray_tolerance(world_position, f.distance, beside);
+  f.distance = sideray_on_ray(f);
   f.older_tolerance = f.tolerance + 0.125 * length(beside);
   f.surface_id = surface_id;
   return f;
@@ -410,6 +422,20 @@ vec3 sideray_translucent(vec3 fallback, vec3 world_position, SIDERAY_UINT surfac
   fallback = sideray_debug_color(fallback, world_position, surface_id);
 #endif
   return found ? radiance : fallback;
+}
+
+// Returns what a fragment of glass shows, for glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA): `raster`, the engine's own
+// colour, where there is no answer. Light that the surface bends replaces what is behind it, and what lies behind such a
+// surface is discarded, also with surface id 0.
+vec4 sideray_glass(vec4 raster, vec3 world_position, SIDERAY_UINT surface_id) {
+  vec3 radiance;
+  int answer = sideray_look_up(world_position, surface_id, radiance);
+#ifdef SIDERAY_DEBUG
+  raster.rgb = sideray_debug_color(raster.rgb, world_position, surface_id);
+#endif
+  if (answer == SIDERAY_HIDDEN) discard;
+  if (answer == SIDERAY_NOTHING) return raster;
+  return vec4(radiance, answer == SIDERAY_REFRACTED ? 1.0 : raster.a);
 }
 
 // The same for hosts that show results a frame late, after the object or the camera has moved.

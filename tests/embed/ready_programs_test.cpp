@@ -241,6 +241,44 @@ TEST_F(OldHost, AFragmentShaderAloneKeepsTheFixedFunction) {
   gl.DeleteProgram(without), gl.DeleteProgram(with);
 }
 
+// What bent light shows replaces the picture: the wall behind the pane shines by 0.25 and 0.5, of which glass lets most through.
+TEST_F(OldHost, BentGlassReplacesWhatIsBehindIt) {
+  light();
+  generate_positions();
+  host.bend_light();
+  FrameInputs in = host.inputs();
+  in.layers->float_ids = in.layers->refraction = 1;
+  host.trace(in);
+  const GlassHost::Picture fixed = draw(0);
+  const uint32_t alone = fragment_alone(float{GlassHost::glass_id}), unnamed = fragment_alone(0.0f);
+  const gl::Program whole = glass(float{GlassHost::glass_id});
+  for (const uint32_t program : {alone, whole.id(), unnamed})
+    ASSERT_EQ(sideray_service_bind(host.service().get(), 0, program, 1, nullptr), SIDERAY_OK);
+  const GlassHost::Picture of_alone = draw(alone), of_whole = draw(whole.id());
+  size_t bent = 0;
+  for (size_t i = 0; i < fixed.size(); ++i) {
+    if (fixed[i].w == 0) continue;
+    ++bent;
+    for (const glm::vec4& shown : {of_alone[i], of_whole[i]}) {
+      ASSERT_NEAR(shown.x, 0.24f, 0.02f) << i;
+      ASSERT_NEAR(shown.y, 0.48f, 0.03f);
+      ASSERT_EQ(shown.w, 1.0f);
+    }
+  }
+  EXPECT_GT(bent, 1000u);
+  // What lies behind it is not drawn: smoke, say, which has no id.
+  gl.LoadMatrixd(glm::value_ptr(glm::translate(eye_from_world, {0, 0, -1})));
+  const GlassHost::Picture behind = draw(0), hidden = draw(unnamed);
+  size_t covered = 0;
+  for (size_t i = 0; i < fixed.size(); ++i) {
+    if (fixed[i].w == 0 || behind[i].w == 0) continue;
+    ++covered;
+    ASSERT_EQ(hidden[i].w, 0.0f) << i;
+  }
+  EXPECT_GT(covered, 500u);
+  gl.DeleteProgram(alone), gl.DeleteProgram(unnamed);
+}
+
 // The recipe of docs/fixed-function.md for engines that never have the view alone in MODELVIEW: the pane is turned by a right
 // angle and moved within its plane.
 TEST_F(OldHost, PlacesComeFromTheObjectsMatrixToo) {

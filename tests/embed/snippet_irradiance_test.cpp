@@ -9,16 +9,11 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <sideray/sideray.hpp>
 
-#include "embed/hosts/frame_outputs.h"
-#include "gl/context/context.h"
-#include "gl/resources/objects.h"
-#include "gl/resources/program.h"
+#include "embed/hosts/wall_host.h"
 
 namespace sideray::tests::snippet_irradiance_test {
 namespace {
 
-constexpr int width = 96, height = 64;
-constexpr uint32_t first_unit = 2;
 constexpr float albedo = 0.5f;
 using Picture = std::vector<glm::vec4>;
 
@@ -55,66 +50,17 @@ Scene wall_and_glow() {
   return scene;
 }
 
-glm::dmat4 clip_from_world() {
-  return glm::perspective(0.9, double{width} / height, 0.1, 50.0) * glm::translate(glm::dmat4(1.0), glm::dvec3(0, 0, -3));
-}
-
-class SnippetIrradiance : public testing::Test {
+class SnippetIrradiance : public WallHost {
  protected:
-  void SetUp() override {
-    context_ = gl::Context::create("auto", "");
-    context_->make_current();
-    const gl::Functions& gl = context_->functions();
-    framebuffer_ = gl::Framebuffer(gl), color_ = gl::Renderbuffer(gl), depth_ = gl::Renderbuffer(gl);
-    array_ = gl::VertexArray(gl);
-    gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
-    attach(color_, GL_RGBA32F, GL_COLOR_ATTACHMENT0);
-    attach(depth_, GL_DEPTH24_STENCIL8, GL_DEPTH_STENCIL_ATTACHMENT);
-    // The wall's depth everywhere: it is parallel to the picture.
-    const glm::dvec4 clip = clip_from_world() * glm::dvec4(0, 0, 0, 1);
-    gl.ClearDepth(0.5 + 0.5 * clip.z / clip.w);
-    gl.Clear(GL_DEPTH_BUFFER_BIT);
-    const sideray_host_gl host{sizeof(host), gl::Context::get_proc_address, context_.get()};
-    service_.emplace(Service::create(tracer_, host).value());
-    program_ = std::make_unique<gl::Program>(
-        gl, "host",
-        "#version 330 core\nvoid main() { gl_Position = vec4(float(gl_VertexID & 1) * 4.0 - 1.0,\n"
-        "float(gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }\n",
-        std::string("#version 330 core\n") + sideray_glsl(330) +
-            "out vec4 result;\nvoid main() { result = vec4(0.5 * sideray_irradiance(), 1.0); }\n");
-  }
-
-  void TearDown() override {
-    service_.reset();
-    program_.reset();
-    array_ = {};
-    framebuffer_.reset(), color_.reset(), depth_.reset();
-    EXPECT_TRUE(context_->take_errors().empty());
-    context_->release_current();
-  }
-
-  void attach(const gl::Renderbuffer& buffer, GLenum format, GLenum attachment) {
-    const gl::Functions& gl = context_->functions();
-    gl.BindRenderbuffer(GL_RENDERBUFFER, buffer.id());
-    gl.RenderbufferStorage(GL_RENDERBUFFER, format, width, height);
-    gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, buffer.id());
+  SnippetIrradiance() : WallHost(GL_RGBA32F) {
+    serve(tracer_);
+    program_ = make_program("result = vec4(0.5 * sideray_irradiance(), 1.0);");
   }
 
   void trace(int x, int y, int w, int h) {
-    FrameInputs in;
-    const glm::dmat4 clip = clip_from_world(), world = glm::inverse(clip);
-    std::memcpy(in.frame.view.clip_from_world, glm::value_ptr(clip), sizeof(in.frame.view.clip_from_world));
-    std::memcpy(in.frame.view.world_from_clip, glm::value_ptr(world), sizeof(in.frame.view.world_from_clip));
-    in.frame.source.framebuffer = framebuffer_.id();
-    in.frame.source.mask = SIDERAY_MASK_NONE;
-    in.frame.source.x = x, in.frame.source.y = y;
-    in.frame.source.width = w, in.frame.source.height = h;
-    in.layers.reset();
+    FrameInputs in = frame_of(x, y, w, h);
     in.irradiance = sideray_irradiance_inputs_defaults();
-    sideray_ticket ticket = 0;
-    sideray_error error{};
-    ASSERT_EQ(submit_frame(service_->get(), in, ticket, &error), SIDERAY_OK) << error.message;
-    ASSERT_EQ(sideray_service_wait(service_->get(), ticket, -1, &error), SIDERAY_OK) << error.message;
+    WallHost::trace(in);
   }
 
   // Rows from the bottom.
@@ -132,14 +78,8 @@ class SnippetIrradiance : public testing::Test {
     return picture;
   }
 
-  std::unique_ptr<gl::Context> context_;
   Scene scene_ = wall_and_glow();
   Tracer tracer_ = Tracer::create(scene_).value();
-  gl::Framebuffer framebuffer_;
-  gl::Renderbuffer color_, depth_;
-  gl::VertexArray array_;
-  std::unique_ptr<gl::Program> program_;
-  std::optional<Service> service_;
 };
 
 TEST_F(SnippetIrradiance, IsTheTexturesInItsRectangleAndBlackElsewhere) {

@@ -11,16 +11,13 @@
 #include <set>
 #include <sideray/sideray.hpp>
 
-#include "embed/hosts/frame_outputs.h"
-#include "gl/context/context.h"
-#include "gl/resources/objects.h"
-#include "gl/resources/program.h"
+#include "embed/hosts/wall_host.h"
 
 namespace sideray::tests::snippet_masks_test {
 namespace {
 
-constexpr int width = 96, height = 64, left = 8, bottom = 4, masked_width = 72, masked_height = 48;
-constexpr uint32_t first_unit = 2, sentinel_unit_count = 6;
+constexpr int left = 8, bottom = 4, masked_width = 72, masked_height = 48;
+constexpr uint32_t sentinel_unit_count = 6;
 using Texels = std::vector<std::array<uint8_t, 4>>;
 
 void add_quad(sideray::Scene& scene, sideray_material material, double x, double z, double size) {
@@ -62,86 +59,23 @@ sideray::Scene wall_and_plate() {
   return scene;
 }
 
-class SnippetMasks : public testing::Test {
+class SnippetMasks : public WallHost {
  protected:
-  void SetUp() override {
-    context_ = gl::Context::create("auto", "");
-    context_->make_current();
-    create_target();
-    const sideray_host_gl host{sizeof(host), gl::Context::get_proc_address, context_.get()};
-    service_.emplace(sideray::Service::create(tracer_, host).value());
+  SnippetMasks() : WallHost(GL_RGBA8) {
+    serve(tracer_);
     program_ = make_program("result = vec4(sideray_shadow(0), sideray_shadow(1), sideray_shadow(3), sideray_ao());");
   }
 
-  void TearDown() override {
-    service_.reset();
-    program_.reset();
-    array_ = {};
-    framebuffer_.reset(), color_.reset(), depth_.reset();
-    EXPECT_TRUE(context_->take_errors().empty());
-    context_->release_current();
-  }
-
-  void create_target() {
-    const gl::Functions& gl = context_->functions();
-    framebuffer_ = gl::Framebuffer(gl), color_ = gl::Renderbuffer(gl), depth_ = gl::Renderbuffer(gl);
-    array_ = gl::VertexArray(gl);
-    gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
-    const auto attach = [&](const gl::Renderbuffer& buffer, GLenum format, GLenum attachment) {
-      gl.BindRenderbuffer(GL_RENDERBUFFER, buffer.id());
-      gl.RenderbufferStorage(GL_RENDERBUFFER, format, width, height);
-      gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, buffer.id());
-    };
-    attach(color_, GL_RGBA8, GL_COLOR_ATTACHMENT0);
-    attach(depth_, GL_DEPTH24_STENCIL8, GL_DEPTH_STENCIL_ATTACHMENT);
-    // The wall's depth everywhere: it is parallel to the picture.
-    const glm::dvec4 clip = clip_from_world() * glm::dvec4(0, 0, 0, 1);
-    gl.ClearDepth(0.5 + 0.5 * clip.z / clip.w);
-    gl.Clear(GL_DEPTH_BUFFER_BIT);
-  }
-
-  std::unique_ptr<gl::Program> make_program(const std::string& statement) {
-    const std::string fragment = std::string("#version 330 core\n") + sideray_glsl(330) +
-                                 "out vec4 result;\nvoid main() { " + statement + " }\n";
-    return std::make_unique<gl::Program>(
-        context_->functions(), "host",
-        "#version 330 core\nvoid main() { gl_Position = vec4(float(gl_VertexID & 1) * 4.0 - 1.0,\n"
-        "float(gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }\n",
-        fragment);
-  }
-
-  static glm::dmat4 clip_from_world() {
-    return glm::perspective(0.9, double{width} / height, 0.1, 50.0) *
-           glm::translate(glm::dmat4(1.0), glm::dvec3(0, 0, -3));
-  }
-
-  // The rectangle shows the whole view.
-  FrameInputs frame_of(uint32_t lights, uint32_t ao_rays) {
-    FrameInputs in;
-    const glm::dmat4 clip = clip_from_world(), world = glm::inverse(clip);
-    std::memcpy(in.frame.view.clip_from_world, glm::value_ptr(clip), sizeof(in.frame.view.clip_from_world));
-    std::memcpy(in.frame.view.world_from_clip, glm::value_ptr(world), sizeof(in.frame.view.world_from_clip));
-    in.frame.source.framebuffer = framebuffer_.id();
-    in.frame.source.mask = SIDERAY_MASK_NONE;
-    in.frame.source.x = left;
-    in.frame.source.y = bottom;
-    in.frame.source.width = masked_width;
-    in.frame.source.height = masked_height;
-    in.layers.reset();
+  FrameInputs masks_of(uint32_t lights, uint32_t ao_rays) {
+    FrameInputs in = frame_of(left, bottom, masked_width, masked_height);
     in.masks = sideray_mask_inputs_defaults();
     in.masks->shadow_lights = lights;
     in.masks->ao_rays = ao_rays;
     return in;
   }
 
-  void trace(uint32_t lights, uint32_t ao_rays) { trace(frame_of(lights, ao_rays)); }
-
-  void trace(const FrameInputs& in) {
-    sideray_ticket ticket = 0;
-    sideray_error error{};
-    ASSERT_EQ(submit_frame(service_->get(), in, ticket, &error), SIDERAY_OK) << error.message;
-    ASSERT_EQ(sideray_service_wait(service_->get(), ticket, -1, &error), SIDERAY_OK) << error.message;
-  }
+  using WallHost::trace;
+  void trace(uint32_t lights, uint32_t ao_rays) { trace(masks_of(lights, ao_rays)); }
 
   Texels draw(const gl::Program& program) {
     const gl::Functions& gl = context_->functions();
@@ -173,14 +107,8 @@ class SnippetMasks : public testing::Test {
     return values;
   }
 
-  std::unique_ptr<gl::Context> context_;
   sideray::Scene scene_ = wall_and_plate();
   sideray::Tracer tracer_ = sideray::Tracer::create(scene_).value();
-  gl::Framebuffer framebuffer_;
-  gl::Renderbuffer color_, depth_;
-  gl::VertexArray array_;
-  std::unique_ptr<gl::Program> program_;
-  std::optional<sideray::Service> service_;
 };
 
 TEST_F(SnippetMasks, AreReadByTheLightsPlaces) {
@@ -240,7 +168,7 @@ TEST_F(SnippetMasks, AreShownAsColours) {
 TEST_F(SnippetMasks, UnderABudgetLeaveTheRestToTheHost) {
   const auto program = make_program(
       "result = vec4(sideray_shadow_or(1, 0.25), sideray_shadow_or(0, 0.5), sideray_ao_or(0.75), sideray_shadow_color_or(3, vec3(0.25)).y);");
-  FrameInputs in = frame_of(0b1010, 16);
+  FrameInputs in = masks_of(0b1010, 16);
   in.masks->denoise = 0;
   trace(in);
   EXPECT_EQ(latest().answer_texture, 0u);
@@ -292,7 +220,7 @@ TEST_F(SnippetMasks, LampsThatAddTooLittleHaveNoRays) {
   trace(0b1010, 0);
   const std::vector<uint8_t> each = texels_of(GL_TEXTURE_2D_ARRAY, latest().shadow_texture, 2);
   EXPECT_EQ(std::set<uint8_t>(each.begin(), each.end()), (std::set<uint8_t>{0, 255}));
-  FrameInputs in = frame_of(0b1010, 0);
+  FrameInputs in = masks_of(0b1010, 0);
   in.masks->least_light = 1e6f;
   trace(in);
   const std::vector<uint8_t> none = texels_of(GL_TEXTURE_2D_ARRAY, latest().shadow_texture, 2);
@@ -346,7 +274,7 @@ TEST_F(SnippetMasks, TintsAreThoseOfGlassInTheWay) {
 
 // Nothing in the scene is translucent, so that what opaque surfaces leave open is all of the sky's light.
 TEST_F(SnippetMasks, TheSkyThatNothingOpaqueHidesIsTheLastLayer) {
-  FrameInputs in = frame_of(0b1010, 4);
+  FrameInputs in = masks_of(0b1010, 4);
   EXPECT_EQ((trace(in), latest().unhidden_sky), 0);
   in.masks->unhidden_sky = 1;
   trace(in);
@@ -365,7 +293,7 @@ TEST_F(SnippetMasks, WhatCannotBeIsRefused) {
     EXPECT_EQ(submit_frame(service_->get(), in, ticket, &error), SIDERAY_INVALID_ARGUMENT);
     return std::string(error.message);
   };
-  FrameInputs sky = frame_of(0b1010, 0), light = sky, samples = sky;
+  FrameInputs sky = masks_of(0b1010, 0), light = sky, samples = sky;
   sky.masks->unhidden_sky = 1;
   EXPECT_EQ(refusal(sky).find("masks unhidden_sky: "), 0u);
   light.masks->least_light = std::nanf("");

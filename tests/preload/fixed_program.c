@@ -10,6 +10,7 @@
  *   late_box      a box before the pane is drawn after the smoke
  *   stencil       what is drawn after the pane is drawn where the stencil says that the pane is
  *   solid         the pane's alpha is 1
+ *   water         a blended square lies above the floor, to the right
  *   object, eye, sphere   a textured box stands on the eye's side, its coordinates by glTexGen; with
  *   explicit      they are those of its vertices, and the same
  *   fog           linear fog from 2 to 12
@@ -17,6 +18,8 @@
  *   levels        from the second half of the frames on it is another level: lists, textures and the window are made anew;
  *   level2        it is that level from the start
  *   handler       SIGTERM ends it from its handler while it draws the overlay: the context is destroyed, the program exits
+ *   swap_handler  the same while it swaps
+ *   atexit        the context is destroyed by a function that atexit() was given before anything else
  *   slow          30 ms pass between frames
  *   egl           EGL in place of GLX
  *   debug         a context for debugging: fails at the first message of an error
@@ -212,6 +215,17 @@ static void draw_pane(void) {
   if (has("stencil")) glStencilFunc(GL_EQUAL, 1, 255);
 }
 
+/* Of arrays: a rule can name it. */
+static void draw_water(void) {
+  static const float corners[] = {1.6f, 0.4f, -2, 1.6f, 0.4f, 2, 3.6f, 0.4f, 2, 3.6f, 0.4f, -2};
+  glNormal3f(0, 1, 0);
+  glColor4f(0.1f, 0.3f, 0.5f, 0.2f);
+  glEnableClientState(GL_VERTEX_ARRAY);
+  glVertexPointer(3, GL_FLOAT, 0, corners);
+  glDrawArrays(GL_QUADS, 0, 4);
+  glDisableClientState(GL_VERTEX_ARRAY);
+}
+
 static void draw_smoke(void) {
   glDisable(GL_LIGHTING);
   glColor4f(1, 1, 0, 0.5f);
@@ -274,6 +288,7 @@ static void draw_frame(GLuint box_list, GLuint checkers, int w, int h, int frame
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   glDepthMask(GL_FALSE);
   draw_pane();
+  if (has("water")) draw_water();
   if (has("smoke")) draw_smoke();
   if (has("late_box")) draw_late_box();
   glDisable(GL_STENCIL_TEST);
@@ -382,10 +397,20 @@ static void close_screen(struct Screen* screen) {
 
 static struct Screen* open_one;
 
+/* Waits for the X server, and for the driver's threads. */
 static void leave(int number) {
+  XSync(open_one->display, False);
   glXMakeCurrent(open_one->display, None, NULL);
   glXDestroyContext(open_one->display, open_one->contexts[0]);
+  XCloseDisplay(open_one->display);
   exit(number == SIGTERM ? 3 : 4);
+}
+
+/* What has been freed by then is overwritten. */
+static void close_at_exit(void) {
+  for (size_t size = 8; size < 512; size += 8)
+    for (int i = 0; i < 64; ++i) memset(malloc(size), 'x', size);
+  close_screen(open_one);
 }
 
 static void resize(const struct Screen* screen, int w, int h) {
@@ -397,10 +422,12 @@ int main(int argc, char** argv) {
   require(argc >= 3, "usage: fixed_program FRAMES PICTURE.ppm [WHAT...]");
   argument_count = argc, arguments = argv;
   const int frames = atoi(argv[1]);
-  struct Screen screen = open_screen();
+  if (has("atexit")) atexit(close_at_exit);
+  static struct Screen screen;
+  screen = open_screen();
   if (has("opened")) open_functions();
   open_one = &screen;
-  if (has("handler")) let_signals_in(0), signal(SIGTERM, leave);
+  if (has("handler") || has("swap_handler")) let_signals_in(0), signal(SIGTERM, leave);
   if (has("debug")) {
     glEnable(GL_DEBUG_OUTPUT);
     glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
@@ -424,11 +451,13 @@ int main(int argc, char** argv) {
     if (frame == frames - 1) write_picture(argv[2], w, h);
     if (has("error")) require(glGetError() == GL_NO_ERROR, "an OpenGL error");
     if (has("slow")) usleep(30000);
+    if (has("swap_handler")) let_signals_in(1);
     if (has("egl"))
       eglSwapBuffers(screen.egl, screen.surface);
     else
       swap(screen.display, screen.window);
+    if (has("swap_handler")) let_signals_in(0);
   }
-  close_screen(&screen);
+  if (!has("atexit")) close_screen(&screen);
   return 0;
 }

@@ -73,6 +73,35 @@ class Picture:
         return {(i // 3 % self.width, i // 3 // self.width) for i, (a, b) in enumerate(zip(self.pixels, other.pixels)) if a != b}
 
 
+# What fixed_program.c draws: the eye is at `eye` and looks down by `pitch`.
+EYE, PITCH, SUN = (0, 1.8, 4.5), math.radians(12), (0.3, 1, 0.6)
+
+
+def pixel_of(x, y, z):
+    """Where a place of the world is in the picture."""
+    dy, dz = y - EYE[1], z - EYE[2]
+    up, depth = math.cos(PITCH) * dy - math.sin(PITCH) * dz, -(math.sin(PITCH) * dy + math.cos(PITCH) * dz)
+    return int(160 * (1 + 1.5 * x / depth)), int(120 * (1 - 2 * up / depth))
+
+
+def depth_of(y, z):
+    return -(math.sin(PITCH) * (y - EYE[1]) + math.cos(PITCH) * (z - EYE[2]))
+
+
+def ray_of(x, y):
+    """The direction in which a pixel looks, in the world."""
+    across, up = ((x + 0.5) / 160 - 1) / 1.5, (1 - (y + 0.5) / 120) / 2
+    return across, math.cos(PITCH) * up - math.sin(PITCH), -math.sin(PITCH) * up - math.cos(PITCH)
+
+
+def checkers(x, z):
+    """The floor's texel, 0..255, or None near an edge of one."""
+    u, v = (x + 4) / 0.5, (z + 4) / 0.5
+    if min(u % 1, 1 - u % 1, v % 1, 1 - v % 1) < 0.2 or not (0 < u < 16 and 0 < v < 16):
+        return None
+    return 230 if (int(u) + int(v)) % 2 else 60
+
+
 class RunTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -204,6 +233,109 @@ class RunTest(unittest.TestCase):
         (self.folder / "rules").write_text(f"mirror texture {hashes[0]} reflectance=0.5  # the floor\n")
         return ["--rules", "rules"]
 
+    def rule(self, *lines):
+        (self.folder / "rules").write_text("\n".join(lines) + "\n")
+        return ["--rules", "rules"]
+
+    # On the floor: beside the red box, in its shadow; under the pane's lower edge, in the pane's; in the sun.
+    IN_SHADOW, BEHIND_GLASS, IN_THE_SUN = (-0.76, 0, 1.7), (1.35, 0, -0.17), (-2.2, 0, 2.2)
+
+    def test_the_sun_casts_shadows_by_a_rule(self):
+        plain = self.plain()
+        seen, said, figures = self.run_fixed(options=self.rule("sun light 0"))
+        self.assertEqual((said, figures["frames_with_shadows"]), ("", 3))
+        # The floor is lit by 1.03, clamped; 0.2 of it is ambient. The pane's alpha of 0.3 takes so much of the sun's part.
+        for place, left in ((self.IN_SHADOW, 0.2), (self.BEHIND_GLASS, 0.7 + 0.3 * 0.2), (self.IN_THE_SUN, 1)):
+            x, y = pixel_of(*place)
+            for channel in range(3):
+                self.assertAlmostEqual(seen.at(x, y)[channel], left * plain.at(x, y)[channel], delta=2, msg=str(place))
+        # Nothing else is darkened: the sky, and what is lit.
+        reflected, _, _ = self.run_fixed()
+        darker = seen.changed(reflected)
+        self.assertGreater(len(darker), 700)
+        self.assertLess(len(darker), 3000)
+        self.assertGreater(min(y for _, y in darker), 50)
+
+    def test_fog_lies_over_shadows(self):
+        plain = self.plain("fog")
+        seen, _, _ = self.run_fixed("fog", options=self.rule("sun light 0"))
+        x, y = pixel_of(*self.IN_SHADOW)
+        fog_share = 1 - (12 - depth_of(0, self.IN_SHADOW[2])) / 10
+        for channel, fog in enumerate((0.1, 0.2, 0.9)):
+            expected = 0.2 * plain.at(x, y)[channel] + 0.8 * fog_share * 255 * fog
+            self.assertAlmostEqual(seen.at(x, y)[channel], expected, delta=3)
+
+    def test_late_shadows_are_those_of_a_frame_that_stands_still_and_follow_the_eye(self):
+        rules = self.rule("sun light 0")
+        for what, share in ((), 1), (("turn",), 0.8):
+            waited, _, _ = self.run_fixed(*what, frames=40, options=rules)
+            late, said, _ = self.run_fixed("slow", *what, frames=40, options=[*rules, "--late"])
+            darker = waited.changed(self.run_fixed(*what, frames=40)[0])
+            alike = sum(1 for x, y in darker if max(abs(a - b) for a, b in zip(late.at(x, y), waited.at(x, y))) <= 3)
+            self.assertEqual(said, "")
+            self.assertGreaterEqual(alike, share * len(darker), what)
+
+    def test_shade_of_a_rule_counts_where_nothing_is_lit(self):
+        self.floor_rule()
+        floor = re.search(r"texture (\w+)", (self.folder / "rules").read_text()).group(1)
+        plain = self.plain()
+        for shade in (0.5, 1):
+            seen, _, _ = self.run_fixed(options=self.rule("sun light 0", f"opaque texture {floor} shade={shade}"))
+            x, y = pixel_of(*self.IN_SHADOW)
+            for channel in range(3):
+                self.assertAlmostEqual(seen.at(x, y)[channel], shade * plain.at(x, y)[channel], delta=1)
+
+    def water_mesh(self):
+        self.run_fixed("water", options=["--off"])
+        report = (self.folder / "report.html").read_text()
+        rows = re.findall(r"<code>(\w{16})</code></td><td></td><td>\d+</td><td>\d+</td><td>([1-9]\d*)</td>", report[report.index("Meshes of"):])
+        self.assertEqual(len(rows), 1, "the only blended mesh")
+        return rows[0][0]
+
+    def test_water_bends_what_is_behind_by_a_rule(self):
+        water = self.water_mesh()
+        straight, _, _ = self.run_fixed("water", options=self.rule(f"water mesh {water}"))
+        bent, said, _ = self.run_fixed("water", options=self.rule(f"water mesh {water} ior=1.33"))
+        self.assertEqual(said, "")
+        self.assertLessEqual(len(bent.changed(straight)), 12000)
+        right = wrong = 0
+        for y in range(100, 240):
+            for x in range(245, 320):  # beside the pane
+                dx, dy, dz = ray_of(x, y)
+                along = (0.4 - EYE[1]) / dy
+                px, pz = along * dx, EYE[2] + along * dz
+                if dy >= 0 or not (1.65 < px < 3.55 and -1.95 < pz < 1.95):
+                    continue
+                length = math.sqrt(dx * dx + dy * dy + dz * dz)
+                cosine = -dy / length
+                deep = math.sqrt(1 - (1 - cosine * cosine) / 1.33 ** 2)
+                before = checkers(px - 0.4 * dx / dy, pz - 0.4 * dz / dy)
+                after = checkers(px + 0.4 * dx / length / 1.33 / deep, pz + 0.4 * dz / length / 1.33 / deep)
+                if before is None or after is None:
+                    continue
+                weight = 0.02 + 0.98 * (1 - cosine) ** 5
+                expected = straight.at(x, y)[0] + (1 - weight) * 0.8 * (after - before)
+                right += abs(bent.at(x, y)[0] - expected) <= 3
+                wrong += abs(bent.at(x, y)[0] - expected) > 3
+        self.assertGreater(right, 400)
+        self.assertLess(wrong, 0.01 * right)
+
+    def test_what_is_guessed_follows_its_rule(self):
+        mesh = self.water_mesh()
+        named, _, _ = self.run_fixed("water", options=self.rule(f"water mesh {mesh} ior=1.33", "ignore guessed"))
+        guessed, _, figures = self.run_fixed("water", options=self.rule("water guessed ior=1.33", f"ignore mesh {mesh}"))
+        self.assertNotEqual(named.pixels, guessed.pixels)
+        self.assertEqual(figures["frames_with_rays"], 3)
+        ignored, _, _ = self.run_fixed("water", options=self.rule("ignore guessed"))
+        self.assertEqual(ignored.pixels, self.plain("water").pixels)
+
+    def test_bent_water_is_the_same_late(self):
+        rules = self.rule(f"water mesh {self.water_mesh()} ior=1.33", "sun light 0")
+        waited, _, _ = self.run_fixed("water", frames=40, options=rules)
+        late, said, _ = self.run_fixed("water", "slow", frames=40, options=[*rules, "--late"])
+        self.assertEqual(said, "")
+        self.assertLessEqual(sum(1 for a, b in zip(late.pixels, waited.pixels) if abs(a - b) > 1), 0.001 * len(late.pixels))
+
     def test_generated_coordinates_are_mirrored(self):
         rules = self.floor_rule()
         for mode in ("object", "eye", "sphere"):
@@ -230,8 +362,9 @@ class RunTest(unittest.TestCase):
 
     def test_no_debug_message_is_an_error(self):
         (self.folder / "pictures").mkdir()
-        for options in ((), ("--late",), ("--off",), ("--pictures", "pictures")):
-            _, said, figures = self.run_fixed("debug", "smoke", "overlay", "resize", "lists", "fog", "sphere", frames=6, options=options)
+        rules = self.rule(f"water mesh {self.water_mesh()} ior=1.33", "sun light 0")
+        for options in ((), ("--late",), ("--off",), ("--pictures", "pictures"), rules, (*rules, "--late"), (*rules, "--pictures", "pictures")):
+            _, said, figures = self.run_fixed("debug", "water", "smoke", "overlay", "resize", "lists", "fog", "sphere", frames=6, options=options)
             self.assertEqual(said, "")
             self.assertEqual(figures["draws_held"] == 0, options == ("--off",))
 
@@ -256,19 +389,24 @@ class RunTest(unittest.TestCase):
             self.assertIn("frames_with_rays", report.read_text())
 
     def test_a_program_that_leaves_from_a_signal_handler_leaves(self):
-        """Also where rays are waited for then, which the overlay makes them be."""
-        for repeat in range(4):
+        """Also where rays are waited for then, which the overlay makes them be, and where the picture is on its way to X."""
+        for repeat in range(10):
+            what = "handler" if repeat % 2 else "swap_handler"
             report = self.folder / f"{repeat}.html"
-            process = subprocess.Popen([PROGRAM, "run", "--report", report, "--", FIXED, "1000000", "run.ppm", "overlay", "handler"], env=self.display.environment,
+            process = subprocess.Popen([PROGRAM, "run", "--report", report, "--", FIXED, "1000000", "run.ppm", "overlay", what], env=self.display.environment,
                                        cwd=self.folder, stderr=subprocess.PIPE)
             while not report.exists() and process.poll() is None:
                 time.sleep(0.05)
             process.terminate()
             try:
-                self.assertEqual(process.wait(timeout=20), 3)
+                self.assertEqual(process.wait(timeout=20), 3, what)
             finally:
                 process.kill()
                 process.stderr.close()
+
+    def test_a_program_that_tidies_up_at_exit_has_its_report(self):
+        _, said, figures = self.run_fixed("atexit")
+        self.assertEqual((said, figures["frames"]), ("", 3))
 
     def test_a_rule_makes_the_floor_a_mirror(self):
         rules = self.floor_rule()
@@ -325,12 +463,14 @@ class RunTest(unittest.TestCase):
         self.assertLessEqual(seen.largest_difference(Picture.of_png(self.folder / "pictures" / "0-rays.png")), 0)
 
     def test_wrong_rules_are_refused_in_one_line(self):
-        (self.folder / "rules").write_text("# glass\nglas texture 0123456789abcdef\n")
-        plain = self.plain()
-        seen, said, _ = self.run_fixed(options=["--rules", "rules"])
-        self.assertEqual(seen.pixels, plain.pixels)
-        self.assertIn("rules line 2: \"glas\" is no kind", said)
-        self.assertEqual(said.count("\n"), 1)
+        plain, zeros = self.plain(), "0123456789abcdef"
+        for line, what in ((f"glas texture {zeros}", "\"glas\" is no kind"), (f"water texture {zeros} ior=0.5", "\"ior=0.5\" is out of range"),
+                           (f"mirror mesh {zeros} ior=1.5", "ior is of glass and water alone"), (f"water mesh {zeros} shade=1", "shade is of opaque alone"),
+                           ("sun light 8", "it does not say which light"), (f"sky texture {zeros} shades=1", "\"shades=1\" is not known")):
+            seen, said, _ = self.run_fixed(options=self.rule("# glass", line))
+            self.assertEqual(seen.pixels, plain.pixels)
+            self.assertIn("rules line 2: " + what, said)
+            self.assertEqual(said.count("\n"), 1)
 
     def test_what_cannot_be_run_is_said(self):
         done = self.start([PROGRAM, "run", "--", "no-such-program"])

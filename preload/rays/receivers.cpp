@@ -1,0 +1,53 @@
+#include "preload/rays/receivers.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sideray::run {
+namespace {
+
+const FixedLight* light_of(const Lighting* lighting, int number) {
+  for (int i = 0; lighting && i < lighting->lights; ++i)
+    if (lighting->number[i] == number) return &lighting->light[i];
+  return nullptr;
+}
+
+// Places are computed anew for each draw, from its matrices.
+bool is_same_place(const FixedLight& a, const FixedLight& b) {
+  float size = 0, apart = 0;
+  for (int i = 0; i < 4; ++i) size = std::max(size, std::abs(a.position[i])), apart = std::max(apart, std::abs(a.position[i] - b.position[i]));
+  return apart <= 1e-3f * size;
+}
+
+}  // namespace
+
+void Receivers::begin_frame() {
+  draws_.clear();
+  sun_.reset();
+  names_.begin_frame();
+}
+
+bool Receivers::add(const DrawState& state, std::shared_ptr<const Geometry> geometry, uint64_t texture, const Rule& rule, int sun) {
+  if (!may_receive(state) || !geometry->is_surface()) return true;
+  Receiver draw;
+  const bool by_rule = rule.kind == Kind::opaque && rule.shade >= 0;
+  const FixedLight* light = state.lighting && !state.shows_texture_alone() ? light_of(state.lights.get(), sun) : nullptr;
+  if (light && !sun_) sun_ = *light;
+  if (by_rule) {
+    draw.shade = rule.shade;
+  } else {
+    if (!light) return true;
+    if (!is_same_place(*light, *sun_)) return false;
+    draw.lights = state.lights;
+  }
+  draw.modelview = state.modelview;
+  draw.material = state.material;
+  draw.fog = state.fog;
+  draw.colored = state.color_material;
+  draw.name = names_.name(hash_of(*geometry, {false, false, 0}), texture);
+  draw.geometry = std::move(geometry);
+  draws_.push_back(std::move(draw));
+  return true;
+}
+
+}  // namespace sideray::run

@@ -1,0 +1,49 @@
+// The draws of a frame on which the sun's shadows fall: those that it lights, and what rules say of others.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "preload/base/rules.h"
+#include "preload/capture/draw_state.h"
+#include "preload/rays/surface_names.h"
+
+namespace sideray::run {
+
+struct Receiver {
+  std::shared_ptr<const Geometry> geometry;
+  Matrix modelview{};
+  std::shared_ptr<const Lighting> lights;  // null = `shade` counts
+  DrawMaterial material;
+  Fog fog;
+  bool colored = false;  // the vertices' colours are the material's
+  float shade = 1;       // what shadows leave of its colour, where it is not lit
+  uint32_t name = 0;     // the same from frame to frame
+};
+
+class Receivers {
+ public:
+  void begin_frame();
+  // The draws so far have their shadows.
+  void clear() { draws_.clear(); }
+  // Takes an opaque draw if GL_LIGHT0 + `sun` lights it, or the rule says what shadows leave of it. Returns false where the sun
+  // of this draw stands elsewhere than that of the frame.
+  bool add(const DrawState& state, std::shared_ptr<const Geometry> geometry, uint64_t texture, const Rule& rule, int sun);
+  // Whether add() may take it.
+  static bool may_receive(const DrawState& state) {
+    return state.is_perspective() && state.depth_test && state.depth_write && state.writes_color && state.whole_depth_range;
+  }
+
+  bool empty() const { return draws_.empty(); }
+  const std::vector<Receiver>& draws() const { return draws_; }
+  // Of this frame, in eye space; null until a lit draw says where it is.
+  const FixedLight* sun() const { return sun_ ? &*sun_ : nullptr; }
+
+ private:
+  std::vector<Receiver> draws_;
+  std::optional<FixedLight> sun_;
+  SurfaceNames names_;
+};
+
+}  // namespace sideray::run
