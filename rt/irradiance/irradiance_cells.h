@@ -52,15 +52,6 @@ struct CellLight {
   }
 };
 
-// How much a cell may take the light of another for its own that many cells away: 1 on the same plane, 0 on another surface.
-inline float likeness(const CellPlace& a, const CellPlace& b, glm::vec3 apart, float cells) {
-  constexpr float off_plane = 1.0f;    // widths of a pixel, per pixel apart
-  constexpr float same_normal = 0.8f;  // cosine, where the weight is 0
-  const float off = std::abs(glm::dot(a.normal, apart)) / (off_plane * a.width * static_cast<float>(cell_side) * cells);
-  const float turned = (glm::dot(a.normal, b.normal) - same_normal) / (1.0f - same_normal);
-  return std::max(1.0f - off, 0.0f) * std::max(turned, 0.0f);
-}
-
 struct IrradianceCells {
   uint32_t columns = 0, rows = 0;
   std::vector<CellPlace> places;

@@ -1,12 +1,14 @@
 // Takes the noise out of the light in a picture's cells, and spreads it over the pixels. An edge-avoiding wavelet filter
 // (Dammertz et al. 2010, "Edge-Avoiding A-Trous Wavelet Transform for fast Global Illumination Filtering") over cells of one
 // plane, which reads no farther than the light may be taken for equal: in proportion to the harmonic mean of the distances of
-// what throws it (Ward et al. 1988, "A Ray Tracing Solution for Diffuse Interreflection"), and not behind a wall. Keeps its memory from frame to frame.
+// what throws it (Ward et al. 1988, "A Ray Tracing Solution for Diffuse Interreflection"), and not behind a wall. Keeps its
+// memory from frame to frame.
 #pragma once
 
 #include <vector>
 
 #include "rt/base/executor.h"
+#include "rt/irradiance/cell_table.h"
 #include "rt/irradiance/cell_walls.h"
 #include "rt/irradiance/irradiance_cells.h"
 #include "rt/irradiance/irradiance_request.h"
@@ -17,25 +19,23 @@ namespace sideray::rt {
 
 class IrradianceFilter {
  public:
-  // Writes the image from the cells. Same bits for any thread count.
-  void apply(const IrradianceRequest& request, const IrradianceCells& cells, TracedScene& scene, IrradianceImage& image);
+  // Writes the image from the cells and the depths of fill_depths(). Same bits for any thread count.
+  void apply(const IrradianceRequest& request, const IrradianceCells& cells, const std::vector<float>& depths,
+             TracedScene& scene, IrradianceImage& image);
   // Of the frame that was filtered last.
   const CellWalls& walls() const { return walls_; }
 
  private:
-  void begin(const IrradianceCells& cells);
-  void smooth(const IrradianceCells& cells, size_t number, Executor& executor);
-  void take_mean_sky(const IrradianceCells& cells);
-  void pass(const IrradianceCells& cells, size_t number, Executor& executor);
-  float nearby(const IrradianceCells& cells, size_t own, size_t other, float distance) const;
-  void look_for_walls(const IrradianceCells& cells, size_t number, const Intersector& intersector, Executor& executor);
-  void spread(const IrradianceRequest& request, const IrradianceCells& cells, const Intersector& intersector, Executor& executor,
-              IrradianceImage& image);
+  template <typename Work>
+  void for_blocks(Executor& executor, const Work& work) const;
+  void smooth(int32_t number, const IrradianceKernels& kernels, Executor& executor);
+  void pass(int32_t number, const IrradianceKernels& kernels, Executor& executor);
+  void take_mean_sky(const IrradianceCells& cells, Executor& executor);
+  void spread(const IrradianceRequest& request, const IrradianceCells& cells, const std::vector<float>& depths,
+              TracedScene& scene, IrradianceImage& image);
 
-  std::vector<glm::vec4> light_, next_;          // w: weight
-  std::vector<glm::vec2> smooth_, next_smooth_;  // CellLight's nearness and open
+  CellTable table_;
   CellWalls walls_;
-  std::vector<float> depths_;
   std::vector<PixelRow> rows_;  // of each thread
 };
 

@@ -82,9 +82,9 @@ void IrradianceHistory::keep() {
   known_ = true;
 }
 
-void IrradianceHistory::end(const IrradianceCells& cells) {
+void IrradianceHistory::end(IrradianceCells& cells) {
   if (again_) return;
-  after_ = cells;
+  std::swap(after_, cells);
   known_ = true;
 }
 

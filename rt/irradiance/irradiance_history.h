@@ -44,8 +44,8 @@ class IrradianceHistory {
                  Scratch& scratch, IrradianceCells& cells) const;
   // The frame is settled: what was known before is known after it.
   void keep();
-  // Learns what is known after the frame.
-  void end(const IrradianceCells& cells);
+  // Learns what is known after the frame, and takes the cells: what it leaves is of no use.
+  void end(IrradianceCells& cells);
 
  private:
   static constexpr uint32_t most_samples = 32;  // more say little more

@@ -25,7 +25,8 @@ class IrradianceTracing {
   struct Worker;  // memory of one thread, kept from frame to frame
   struct Frame;
   void find_places(const Frame& frame, Worker& worker, uint32_t tile);
-  void meet_lone_places(const Frame& frame, Worker& worker, uint32_t x0, uint32_t y0);
+  void meet_places(const Frame& frame, Worker& worker);
+  void guess_places(const Frame& frame, Worker& worker, uint32_t tile);
   template <typename Visit>
   void for_cells_of_tile(uint32_t x0, uint32_t y0, const Visit& visit) const;
   void see_sky(const Frame& frame, Worker& worker);
@@ -37,6 +38,7 @@ class IrradianceTracing {
   std::vector<Worker> workers_;
   IrradianceCells cells_;
   std::vector<glm::u16vec2> pixels_;  // of each cell, the one that is traced
+  std::vector<float> depths_;         // of fill_depths()
   IrradianceFilter filter_;
 };
 
