@@ -52,21 +52,13 @@ struct CellLight {
   }
 };
 
-// How much a cell may take the light of another for its own that many cells away: 1 on the same plane, 0 on another surface.
-inline float likeness(const CellPlace& a, const CellPlace& b, glm::vec3 apart, float cells) {
-  constexpr float off_plane = 1.0f;    // widths of a pixel, per pixel apart
-  constexpr float same_normal = 0.8f;  // cosine, where the weight is 0
-  const float off = std::abs(glm::dot(a.normal, apart)) / (off_plane * a.width * static_cast<float>(cell_side) * cells);
-  const float turned = (glm::dot(a.normal, b.normal) - same_normal) / (1.0f - same_normal);
-  return std::max(1.0f - off, 0.0f) * std::max(turned, 0.0f);
-}
-
 // Rows of a picture, and of its cells: from the first on, up to the end.
 struct PixelRows {
   uint32_t first = 0, end = 0;
 };
 struct CellRows {
   uint32_t first = 0, end = 0;
+  uint32_t count() const { return end - first; }
 };
 // Of tiles of frame_tile_size.
 struct TileRows {

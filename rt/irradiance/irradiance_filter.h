@@ -1,13 +1,15 @@
 // Takes the noise out of the light in a picture's cells, and spreads it over the pixels. An edge-avoiding wavelet filter
 // (Dammertz et al. 2010, "Edge-Avoiding A-Trous Wavelet Transform for fast Global Illumination Filtering") over cells of one
 // plane, which reads no farther than the light may be taken for equal: in proportion to the harmonic mean of the distances of
-// what throws it (Ward et al. 1988, "A Ray Tracing Solution for Diffuse Interreflection"), and not behind a wall. Keeps its memory from frame to frame.
+// what throws it (Ward et al. 1988, "A Ray Tracing Solution for Diffuse Interreflection"), and not behind a wall. Keeps its
+// memory from frame to frame.
 #pragma once
 
 #include <span>
 #include <vector>
 
 #include "rt/base/executor.h"
+#include "rt/irradiance/cell_table.h"
 #include "rt/irradiance/cell_walls.h"
 #include "rt/irradiance/irradiance_cells.h"
 #include "rt/irradiance/irradiance_request.h"
@@ -29,16 +31,14 @@ class IrradianceFilter {
   void apply(const Input& input, PixelRows rows, TracedScene& scene, IrradianceImage& image);
 
  private:
-  void begin(const IrradianceCells& cells, CellRows rows);
-  void smooth(const Input& input, size_t number, CellRows rows, Executor& executor);
-  void take_mean_sky(const IrradianceCells& cells, CellRows rows);
-  void pass(const Input& input, size_t number, CellRows rows, Executor& executor);
-  float nearby(const IrradianceCells& cells, size_t own, size_t other, float distance) const;
-  void look_for_walls(const Input& input, size_t number, CellRows rows, const Intersector& intersector, Executor& executor);
-  void spread(const Input& input, PixelRows rows, const Intersector& intersector, Executor& executor, IrradianceImage& image);
+  template <typename Work>
+  void for_blocks(CellRows rows, Executor& executor, const Work& work) const;
+  void smooth(int32_t number, CellRows rows, const IrradianceKernels& kernels, Executor& executor);
+  void pass(int32_t number, CellRows rows, const IrradianceKernels& kernels, Executor& executor);
+  void take_mean_sky(const IrradianceCells& cells, CellRows rows, Executor& executor);
+  void spread(const Input& input, PixelRows rows, TracedScene& scene, IrradianceImage& image);
 
-  std::vector<glm::vec4> light_, next_;          // w: weight
-  std::vector<glm::vec2> smooth_, next_smooth_;  // CellLight's nearness and open
+  CellTable table_;
   std::vector<PixelRow> rows_;  // of each thread
 };
 

@@ -18,8 +18,8 @@
 #include "rt/opaque/light_tiles.h"
 #include "rt/masks/mask_rays.h"
 #include "rt/shading/host_shader.h"
+#include "rt/surfaces/environment_lanes.h"
 #include "rt/surfaces/surface.h"
-#include "rt/textures/environment_lookup.h"
 
 namespace sideray::rt {
 namespace {
@@ -62,7 +62,6 @@ glm::vec3 of_mean_one(glm::vec3 colour) {
 
 struct IrradianceTracing::Worker {
   DepthPoints depth_points;
-  const PointTile* points = nullptr;  // of the tile whose places were found last
   DiffusePaths paths;
   HostShader host;
   std::vector<Ray> rays;
@@ -71,7 +70,8 @@ struct IrradianceTracing::Worker {
   std::vector<glm::vec3> radiance;
   std::vector<float> nearness;
   std::vector<Ray> sky_rays, clear_rays;
-  std::vector<glm::vec3> sky_light;  // along sky_rays
+  std::vector<float> sky_weights;
+  std::vector<glm::vec3> directions, normals, sky_light, whole_sky;  // of sky_rays; and of the whole sky at the cells
   std::vector<uint8_t> hidden;
   std::vector<uint32_t> seen_cells;  // of `cells`, those that see the sky
   Veils veils;
@@ -95,77 +95,103 @@ struct IrradianceTracing::Frame {
   std::span<const float> depths;
   uint32_t seed;  // of this frame of the sequence
   uint32_t columns;
-  const SkyDirections* sky;  // null: black
+  const FrameCamera& camera;
+  EnvironmentLanes environment;
+  const SkyDirections* sky;  // null: black, or of one colour with nothing before it
   bool veiled;               // something translucent is before it
 };
 
 IrradianceTracing::IrradianceTracing(uint32_t threads) : workers_(threads) {}
 IrradianceTracing::~IrradianceTracing() = default;
 
-// Chooses the pixel of each cell, another one in each frame, and what is known of it.
+// Chooses the pixel of each cell, another one in each frame, and finds what it shows.
 void IrradianceTracing::find_places(const Frame& f, Worker& w, uint32_t tile) {
-  const IrradianceRequest& r = f.request;
+  w.rays.clear(), w.cells.clear();
+  for_cells_of_tile(f.cells, tile % f.columns * tile_size, tile / f.columns * tile_size, [&](size_t cell) {
+    f.cells.places[cell] = {}, f.cells.lights[cell] = {};
+    const auto column = static_cast<uint32_t>(cell % f.cells.columns), row = static_cast<uint32_t>(cell / f.cells.columns);
+    const uint32_t wanted = f.seed + column + row;  // neighbours take others
+    for (uint32_t i = 0; i < cell_side * cell_side; ++i) {
+      const uint32_t pixel = (wanted + i) % (cell_side * cell_side);
+      const uint32_t x = column * cell_side + pixel % cell_side, y = row * cell_side + pixel / cell_side;
+      if (x >= f.request.width || y >= f.request.height || !(f.depths[size_t{y} * f.request.width + x] > 0.0f)) continue;
+      pixels_[cell] = {x, y};
+      w.rays.push_back(f.view.ray(x, y));
+      w.cells.push_back(static_cast<uint32_t>(cell));
+      return;
+    }
+  });
+  if (w.rays.empty()) return;
+  meet_places(f, w);
+  if (!w.cells.empty()) guess_places(f, w, tile);
+}
+
+// Where no pixel beside it shows a surface too, the depth does not say how it is tilted, and paths that skip what is near would
+// pass through a thin wall: a ray of the eye says it. Leaves those cells whose ray meets something else than is drawn there.
+void IrradianceTracing::meet_places(const Frame& f, Worker& w) {
+  w.met.resize(w.rays.size());
+  f.intersector.nearest_opaque(w.rays, true, w.met.data(), OpaqueSet::all, {}, true);
+  w.counters.rays_bounce += w.rays.size();
+  size_t unmet = 0;
+  for (size_t i = 0; i < w.rays.size(); ++i) {
+    const Ray& ray = w.rays[i];
+    const uint32_t cell = w.cells[i];
+    const glm::u16vec2 pixel = pixels_[cell];
+    const glm::dvec2 at(pixel);
+    const double depth = f.depths[size_t{pixel.y} * f.request.width + pixel.x];
+    const glm::vec3 drawn(f.camera.origin_at(at) + depth * f.camera.ray_at(at));
+    const float distance = glm::dot(drawn - ray.origin, ray.direction), met = static_cast<float>(w.met[i].distance);
+    const Cone cone = f.view.cone(pixel.x, pixel.y);
+    const float width = std::max(cone.width + cone.spread * distance, 1e-20f);
+    if (w.met[i].instance == no_instance || std::abs(met - distance) > width) {
+      w.cells[unmet++] = cell;
+      continue;
+    }
+    const glm::vec3 normal = geometric_normal(*f.scene.snapshot, w.met[i]);
+    CellPlace& place = f.cells.places[cell];
+    place = {ray.origin + met * ray.direction, glm::dot(normal, ray.direction) > 0.0f ? -normal : normal, width, 0.0f};
+    place.position += rounding * largest(glm::abs(place.position)) * place.normal;
+  }
+  w.cells.resize(unmet);
+}
+
+// Takes the places of the cells that are left from the depth buffer alone.
+void IrradianceTracing::guess_places(const Frame& f, Worker& w, uint32_t tile) {
   const uint32_t x0 = tile % f.columns * tile_size, y0 = tile / f.columns * tile_size;
-  for_cells_of_tile(f.cells, x0, y0, [&](size_t cell) { f.cells.places[cell] = {}, f.cells.lights[cell] = {}; });
-  const PointTile& points = w.depth_points.gather(depth_request(r), f.view, x0, y0);
-  w.points = &points;
+  const PointTile& points = w.depth_points.gather(depth_request(f.request), f.view, x0, y0);
   for_each_pixel(points.drawn, [&](uint32_t pixel) {
     const uint32_t x = x0 + column_in_tile(pixel), y = y0 + row_in_tile(pixel);
     const size_t cell = size_t{y / cell_side} * f.cells.columns + x / cell_side;
-    const uint32_t wanted = (f.seed + x / cell_side + y / cell_side) & 3u;  // neighbours take others
-    const bool is_it = (x % cell_side) + (y % cell_side) * cell_side == wanted;
-    if (f.cells.places[cell].width > 0.0f && !is_it) return;
+    if (f.cells.places[cell].width > 0.0f || pixels_[cell] != glm::u16vec2(x, y)) return;
     const DepthPoint p = point_at(points, pixel);
     const Ray ray = f.view.ray(x, y);
     const Cone cone = f.view.cone(x, y);
     const float distance = glm::dot(p.front - ray.origin, ray.direction);
     f.cells.places[cell] = {p.front, p.normal, std::max(cone.width + cone.spread * distance, 1e-20f), p.skip};
-    pixels_[cell] = {x, y};
   });
-  meet_lone_places(f, w, x0, y0);
-}
-
-// Where no pixel beside it shows a surface too, the depth does not say how it is tilted, and paths that skip what is near would
-// pass through a thin wall: a ray of the eye says it.
-void IrradianceTracing::meet_lone_places(const Frame& f, Worker& w, uint32_t x0, uint32_t y0) {
-  w.rays.clear(), w.cells.clear();
-  for_cells_of_tile(f.cells, x0, y0, [&](size_t cell) {
-    if (!(f.cells.places[cell].width > 0.0f)) return;
-    w.rays.push_back(f.view.ray(pixels_[cell].x, pixels_[cell].y));
-    w.cells.push_back(static_cast<uint32_t>(cell));
-  });
-  if (w.rays.empty()) return;
-  w.met.resize(w.rays.size());
-  f.intersector.nearest_opaque(w.rays, true, w.met.data(), OpaqueSet::all, {}, true);
-  w.counters.rays_bounce += w.rays.size();
-  for (size_t i = 0; i < w.rays.size(); ++i) {
-    const Ray& ray = w.rays[i];
-    CellPlace& place = f.cells.places[w.cells[i]];
-    const float distance = glm::dot(place.position - ray.origin, ray.direction), met = static_cast<float>(w.met[i].distance);
-    if (w.met[i].instance == no_instance || std::abs(met - distance) > place.width) continue;
-    const glm::vec3 normal = geometric_normal(*f.scene.snapshot, w.met[i]);
-    place.normal = glm::dot(normal, ray.direction) > 0.0f ? -normal : normal;
-    place.position = ray.origin + met * ray.direction;
-    place.position += rounding * largest(glm::abs(place.position)) * place.normal;
-    place.skip = 0.0f;
-  }
 }
 
 // Finds what the mask of the sky, which has one channel, says wrong: of the light of each direction that is seen, by how much its
 // colour differs from that of all the sky's light.
 void IrradianceTracing::see_sky(const Frame& f, Worker& w) {
-  const model::Environment& environment = *f.scene.snapshot->environment;
-  w.sky_rays.clear(), w.sky_light.clear();
+  w.sky_rays.clear(), w.sky_weights.clear(), w.directions.clear(), w.normals.clear();
   for (size_t i = 0; i < w.cells.size(); ++i) {
     const CellPlace& place = f.cells.places[w.cells[i]];
     const uint32_t key = random_key({w.keys[i], sky_purpose});
     const SkyDirections::Draw drawn = f.sky->draw(SkyDirections::facing(place.normal), place.normal,
                                                   {unit_float(key), unit_float(hash_bits(key))});
     w.sky_rays.push_back({w.rays[i].origin, w.rays[i].t_near, drawn.direction, farthest});
-    const glm::vec3 here = environment_specular(environment, drawn.direction, blur_of_sky);
-    const glm::vec3 all = environment_irradiance(environment, place.normal);
-    w.sky_light.push_back((drawn.weight * glm::one_over_pi<float>()) * of_mean_one(here));
-    w.samples[i].tint = (drawn.weight * glm::one_over_pi<float>()) * (of_mean_one(here) - of_mean_one(all));
+    w.sky_weights.push_back(drawn.weight * glm::one_over_pi<float>());
+    w.directions.push_back(drawn.direction);
+    w.normals.push_back(place.normal);
+  }
+  w.sky_light.resize(w.cells.size()), w.whole_sky.resize(w.cells.size());
+  f.environment.specular(w.directions, blur_of_sky, w.sky_light.data());
+  f.environment.irradiance(w.normals, w.whole_sky.data());
+  for (size_t i = 0; i < w.cells.size(); ++i) {
+    const glm::vec3 here = of_mean_one(w.sky_light[i]);
+    w.sky_light[i] = w.sky_weights[i] * here;
+    w.samples[i].tint = w.sky_weights[i] * (here - of_mean_one(w.whole_sky[i]));
   }
   w.hidden.resize(w.sky_rays.size());
   f.intersector.occluded(w.sky_rays, false, w.hidden.data(), OpaqueSet::occludes_sky);
@@ -201,14 +227,12 @@ void IrradianceTracing::prepare(const Frame& f, Worker& w, uint32_t tile) {
 TraceEnd IrradianceTracing::trace_tile(const Frame& f, Worker& w, uint32_t tile) {
   const IrradianceRequest& r = f.request;
   const uint32_t x0 = tile % f.columns * tile_size, y0 = tile / f.columns * tile_size;
-  const PointTile& points = *w.points;
   const TileSamples samples({f.seed, sample_purpose, 0, 0, SIDERAY_EXACT}, x0, y0);
   w.rays.clear(), w.cones.clear(), w.keys.clear(), w.cells.clear();
-  for_each_pixel(points.drawn, [&](uint32_t pixel) {
-    const uint32_t x = x0 + column_in_tile(pixel), y = y0 + row_in_tile(pixel);
-    const size_t cell = size_t{y / cell_side} * f.cells.columns + x / cell_side;
-    if (pixels_[cell] != glm::u16vec2(x, y)) return;
+  for_cells_of_tile(f.cells, x0, y0, [&](size_t cell) {
     const CellPlace& place = f.cells.places[cell];
+    if (!(place.width > 0.0f)) return;
+    const uint32_t x = pixels_[cell].x, y = pixels_[cell].y;
     const glm::vec3 direction = frame_about(place.normal) * sample_cosine(samples.at(x, y, 0, 1));
     w.rays.push_back({place.position, place.skip, direction, farthest});
     w.cones.push_back({place.width, f.view.cone(x, y).spread});
@@ -358,9 +382,12 @@ Counters IrradianceTracing::trace(const IrradianceRequest& r, TracedScene& scene
   const ViewRays view(r.view, r.width, r.height);
   const bool is_later = history && history->frame() > 1 && r.position_frames == 0;
   const uint32_t seed = is_later ? random_key({r.seed, history->frame()}) : r.seed;
-  const SkyDirections* sky = scene.sky().black() ? nullptr : &scene.sky();
-  const Frame frame{r, view, scene.shading(), scene.intersector(), history, cells, depths, seed, tile_count(r.width), sky,
-                    veils_sky(*scene.shading().snapshot)};
+  const FrameCamera camera(r.view, r.width, r.height);
+  const model::Snapshot& shown = *scene.shading().snapshot;
+  const bool veiled = veils_sky(shown), has_colours = !scene.sky().black() && (veiled || !shown.environment->uniform);
+  const EnvironmentLanes environment(*shown.environment, shade_kernels(scene.intersector().isa().c_str()));
+  const Frame frame{r, view, scene.shading(), scene.intersector(), history, cells, depths, seed, tile_count(r.width), camera, environment,
+                    has_colours ? &scene.sky() : nullptr, veiled};
   const Stopwatch tracing;
   TileRows rows{0, tile_count(r.height)};
   const bool in_parts = keeps && is_bounded(r.work);

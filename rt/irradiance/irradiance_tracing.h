@@ -26,7 +26,8 @@ class IrradianceTracing {
   struct Frame;
   void find_places(const Frame& frame, Worker& worker, uint32_t tile);
   void prepare(const Frame& frame, Worker& worker, uint32_t tile);
-  void meet_lone_places(const Frame& frame, Worker& worker, uint32_t x0, uint32_t y0);
+  void meet_places(const Frame& frame, Worker& worker);
+  void guess_places(const Frame& frame, Worker& worker, uint32_t tile);
   void see_sky(const Frame& frame, Worker& worker);
   static void see_through_veils(const Frame& frame, Worker& worker);
   TraceEnd trace_tile(const Frame& frame, Worker& worker, uint32_t tile);

@@ -33,11 +33,58 @@ void for_cells_about(const IrradianceCells& cells, uint32_t x, uint32_t y, int r
 
 }  // namespace
 
+PixelColumns PixelRow::HalfRow::at(size_t cell) {
+  PixelColumns columns;
+  for (int k = 0; k < 3; ++k) columns.position[k] = &position[k][cell], columns.light[k] = &light[k][cell];
+  columns.depth = &depth[cell];
+  return columns;
+}
+
+// Finds where the row's pixels lie.
+void PixelRow::locate(const FrameCamera& camera, const float* depths, uint32_t width) {
+  const size_t count = (width / cell_side / cells_at_once + 1) * cells_at_once;
+  for (HalfRow& half : halves_) {
+    for (int k = 0; k < 3; ++k) half.position[k].resize(count), half.light[k].resize(count);
+    half.depth.assign(count, 0.0f);
+  }
+  for (uint32_t x = 0; x < width; ++x) {
+    const double depth = depths[x];
+    if (!(depth > 0.0)) continue;
+    const glm::dvec2 at(x, y_);
+    const glm::vec3 position(camera.origin_at(at) + depth * camera.ray_at(at));
+    HalfRow& half = halves_[x % cell_side];
+    for (int k = 0; k < 3; ++k) half.position[k][x / cell_side] = position[k];
+    half.depth[x / cell_side] = depths[x];
+  }
+}
+
+// Gives the pixels their light that have no questions.
+void PixelRow::spread(const CellsToSpread& from, const IrradianceKernels& kernels, uint32_t width) {
+  lights_.resize(width);
+  pixels_.clear();
+  const int32_t first = from.table.row(y_ / cell_side);
+  for (uint32_t block = 0; block < from.cells.columns; block += cells_at_once) {
+    uint32_t done[cell_side];
+    for (uint32_t i = 0; i < cell_side; ++i)
+      done[i] = kernels.spread(from.table.columns(), first + static_cast<int32_t>(block), static_cast<int32_t>(i),
+                               static_cast<int32_t>(y_ % cell_side), halves_[i].at(block));
+    const uint32_t x0 = block * cell_side, end = std::min(x0 + cells_at_once * cell_side, width);
+    for (uint32_t x = x0; x < end; ++x) {
+      const HalfRow& half = halves_[x % cell_side];
+      const size_t cell = x / cell_side;
+      const auto position = [&] { return glm::vec3(half.position[0][cell], half.position[1][cell], half.position[2][cell]); };
+      lights_[x] = glm::vec4(0.0f);
+      if (!(half.depth[cell] > 0.0f)) continue;
+      if ((done[x % cell_side] >> (cell - block) & 1u) == 0) pixels_.push_back({.x = x, .position = position()});
+      else lights_[x] = {half.light[0][cell], half.light[1][cell], half.light[2][cell], 1.0f};
+    }
+  }
+}
+
 // Looks for the nearest cell that shows the pixel's plane, else the one whose plane is nearest.
-void PixelRow::find_plane(const CellsToSpread& from, uint32_t x, glm::vec3 to_eye) {
-  Pixel& pixel = pixels_[x];
+void PixelRow::find_plane(const CellsToSpread& from, Pixel& pixel, glm::vec3 to_eye) {
   pixel.normal = to_eye;
-  const size_t own = size_t{y_ / cell_side} * from.cells.columns + x / cell_side;
+  const size_t own = size_t{y_ / cell_side} * from.cells.columns + pixel.x / cell_side;
   const CellPlace& here = from.cells.places[own];
   if (here.width > 0.0f && plane_share(here, pixel.position) > whole_share) {
     pixel.normal = here.normal;
@@ -45,7 +92,7 @@ void PixelRow::find_plane(const CellsToSpread& from, uint32_t x, glm::vec3 to_ey
     return;
   }
   float best = least_share;
-  for_cells_about(from.cells, x, y_, 1, [&](size_t cell, glm::vec2 way, uint32_t) {
+  for_cells_about(from.cells, pixel.x, y_, 1, [&](size_t cell, glm::vec2 way, uint32_t) {
     const float share = plane_share(from.cells.places[cell], pixel.position);
     const float score = share > whole_share ? 2.0f - 0.1f * glm::dot(way, way) : share;
     if (score <= best) return;
@@ -55,17 +102,33 @@ void PixelRow::find_plane(const CellsToSpread& from, uint32_t x, glm::vec3 to_ey
   });
 }
 
-// Asks whether something hides cells from the pixel, of those in whose reach anything is.
-void PixelRow::ask(const CellsToSpread& from, uint32_t x, int ring) {
-  const Pixel& pixel = pixels_[x];
-  for_cells_about(from.cells, x, y_, ring, [&](size_t cell, glm::vec2, uint32_t bit) {
-    const CellPlace& there = from.cells.places[cell];
-    const glm::vec3 way = there.position - pixel.position;
-    if (!from.walls.is_near(cell, glm::dot(way, way))) return;
-    if (pixel.has_plane && use_of(from, pixel, cell, bit) != Use::same_plane) return;
-    rays_.push_back(ray_between(there, {pixel.position, pixel.normal}));
-    questions_.push_back({x, bit});
+// Asks whether something hides its own cell from one of pixels_. Where it does not, the walls between that and those around
+// tell what is hidden; returns whether the pixel's own cell is of use at all.
+bool PixelRow::ask_own(const CellsToSpread& from, uint32_t number) {
+  Pixel& pixel = pixels_[number];
+  bool is_used = false;
+  for_cells_about(from.cells, pixel.x, y_, 0, [&](size_t cell, glm::vec2, uint32_t bit) {
+    is_used = pixel.has_plane && use_of(from, pixel, cell, bit) == Use::same_plane;
+    if (is_used) ask(from, number, cell, bit);
   });
+  return is_used;
+}
+
+// Asks the same of the cells around, for a pixel that its own cell tells nothing.
+void PixelRow::ask_around(const CellsToSpread& from, uint32_t number, int ring) {
+  const Pixel& pixel = pixels_[number];
+  for_cells_about(from.cells, pixel.x, y_, ring, [&](size_t cell, glm::vec2, uint32_t bit) {
+    if (!pixel.has_plane || use_of(from, pixel, cell, bit) == Use::same_plane) ask(from, number, cell, bit);
+  });
+}
+
+void PixelRow::ask(const CellsToSpread& from, uint32_t number, size_t cell, uint32_t bit) {
+  const Pixel& pixel = pixels_[number];
+  const CellPlace& there = from.cells.places[cell];
+  const glm::vec3 way = there.position - pixel.position;
+  if (!from.walls.is_near(cell, glm::dot(way, way))) return;
+  rays_.push_back(ray_between(there, {pixel.position, pixel.normal}));
+  questions_.push_back({number, bit});
 }
 
 void PixelRow::answer(const Intersector& intersector) {
@@ -78,7 +141,7 @@ void PixelRow::answer(const Intersector& intersector) {
 }
 
 PixelRow::Use PixelRow::use_of(const CellsToSpread& from, const Pixel& pixel, size_t cell, uint32_t bit) const {
-  if (!(from.lights[cell].w > 0.0f)) return Use::none;
+  if (!(from.cells.lights[cell].samples > 0.0f)) return Use::none;
   if (pixel.hidden & bit) return Use::other_side;
   const CellPlace& there = from.cells.places[cell];
   const bool is_same = pixel.has_plane && glm::dot(there.normal, pixel.normal) > same_normal &&
@@ -86,10 +149,10 @@ PixelRow::Use PixelRow::use_of(const CellsToSpread& from, const Pixel& pixel, si
   return is_same ? Use::same_plane : Use::other_plane;
 }
 
-bool PixelRow::has_light(const CellsToSpread& from, uint32_t x, int ring) const {
+bool PixelRow::has_light(const CellsToSpread& from, const Pixel& pixel, int ring) const {
   bool has = false;
-  for_cells_about(from.cells, x, y_, ring, [&](size_t cell, glm::vec2, uint32_t bit) {
-    has = has || use_of(from, pixels_[x], cell, bit) == Use::same_plane;
+  for_cells_about(from.cells, pixel.x, y_, ring, [&](size_t cell, glm::vec2, uint32_t bit) {
+    has = has || use_of(from, pixel, cell, bit) == Use::same_plane;
   });
   return has;
 }
@@ -97,42 +160,51 @@ bool PixelRow::has_light(const CellsToSpread& from, uint32_t x, int ring) const 
 void PixelRow::find(const FrameCamera& camera, const CellsToSpread& from, const Intersector& intersector,
                     const float* depths, uint32_t width, uint32_t y) {
   y_ = y;
-  pixels_.assign(width, {});
-  for (uint32_t x = 0; x < width; ++x) {
-    const double depth = depths[x];
-    if (!(depth > 0.0)) continue;
-    const glm::dvec2 at(x, y);
-    const glm::dvec3 ray = camera.ray_at(at);
-    pixels_[x].position = glm::vec3(camera.origin_at(at) + depth * ray);
-    pixels_[x].rings = 1;
-    find_plane(from, x, -glm::normalize(glm::vec3(ray)));
-    ask(from, x, 1);
+  locate(camera, depths, width);
+  spread(from, irradiance_kernels(intersector.isa().c_str()), width);
+  for (uint32_t i = 0; i < pixels_.size(); ++i) {
+    find_plane(from, pixels_[i], -glm::normalize(glm::vec3(camera.ray_at(glm::dvec2(pixels_[i].x, y)))));
+    pixels_[i].by_own = ask_own(from, i);
   }
   answer(intersector);
-  for (uint32_t x = 0; x < width; ++x) {
-    if (pixels_[x].rings == 0 || has_light(from, x, 1)) continue;
-    pixels_[x].rings = most_rings;
-    ask(from, x, most_rings);
+  for (uint32_t i = 0; i < pixels_.size(); ++i) {
+    Pixel& pixel = pixels_[i];
+    pixel.by_own = pixel.by_own && pixel.hidden == 0;
+    if (pixel.by_own) hide_behind_walls(from, pixel);
+    else ask_around(from, i, 1);
   }
   answer(intersector);
+  for (uint32_t i = 0; i < pixels_.size(); ++i) {
+    if (pixels_[i].by_own || has_light(from, pixels_[i], 1)) continue;
+    pixels_[i].rings = most_rings;
+    ask_around(from, i, most_rings);
+  }
+  answer(intersector);
+  for (const Pixel& pixel : pixels_) lights_[pixel.x] = mean_light(from, pixel);
+}
+
+// What is hidden from the pixel's own cell is hidden from it.
+void PixelRow::hide_behind_walls(const CellsToSpread& from, Pixel& pixel) const {
+  const size_t own = size_t{y_ / cell_side} * from.cells.columns + pixel.x / cell_side;
+  for_cells_about(from.cells, pixel.x, y_, 1, [&](size_t cell, glm::vec2, uint32_t bit) {
+    if (cell != own && from.table.is_wall_between(own, cell)) pixel.hidden |= bit;
+  });
 }
 
 // The mean of the cells that are of most use.
-glm::vec4 PixelRow::light(const CellsToSpread& from, uint32_t x) const {
-  const Pixel& pixel = pixels_[x];
+glm::vec4 PixelRow::mean_light(const CellsToSpread& from, const Pixel& pixel) const {
   const float beyond = 1.5f * static_cast<float>(pixel.rings);
   Use most = Use::none;
   glm::vec3 sum(0.0f);
   float weights = 0.0f;
-  if (pixel.rings == 0) return glm::vec4(0.0f);
-  for_cells_about(from.cells, x, y_, pixel.rings, [&](size_t cell, glm::vec2 way, uint32_t bit) {
+  for_cells_about(from.cells, pixel.x, y_, pixel.rings, [&](size_t cell, glm::vec2 way, uint32_t bit) {
     const Use use = use_of(from, pixel, cell, bit);
     const glm::vec2 near = glm::max(beyond - glm::abs(way), 0.0f);
     float weight = near.x * near.y;
     if (use == Use::same_plane) weight *= plane_share(from.cells.places[cell], pixel.position);
     if (use < most || !(weight > 0.0f)) return;
     if (use > most) sum = glm::vec3(0.0f), weights = 0.0f, most = use;
-    sum += weight * glm::vec3(from.lights[cell]);
+    sum += weight * from.table.light(cell);
     weights += weight;
   });
   return weights > 0.0f && most != Use::none ? glm::vec4(sum / weights, 1.0f) : glm::vec4(0.0f);

@@ -1,5 +1,5 @@
-// Gives a row of pixels the light of the cells about them: of those on their surface that nothing hides from them. Keeps its
-// memory from row to row; one object per thread.
+// Gives a row of pixels the light of the cells about them: of those on their surface that nothing hides from them. Most take
+// it from the cells around without a question, in lanes. Keeps its memory from row to row; one object per thread.
 #pragma once
 
 #include <cstdint>
@@ -8,16 +8,17 @@
 
 #include "rt/embree/intersector.h"
 #include "rt/history/frame_camera.h"
+#include "rt/irradiance/cell_table.h"
 #include "rt/irradiance/cell_walls.h"
 #include "rt/irradiance/irradiance_cells.h"
 
 namespace sideray::rt {
 
-// What pixels are given: cells, the walls between them, and their light; w = 0: a cell has none.
+// What pixels are given: cells, what stands near them, and their light.
 struct CellsToSpread {
   const IrradianceCells& cells;
   const CellWalls& walls;
-  const std::vector<glm::vec4>& lights;
+  const CellTable& table;
 };
 
 class PixelRow {
@@ -26,30 +27,45 @@ class PixelRow {
   void find(const FrameCamera& camera, const CellsToSpread& from, const Intersector& intersector, const float* depths,
             uint32_t width, uint32_t y);
   // Returns the light of a pixel, and 1; 0 where there is none.
-  glm::vec4 light(const CellsToSpread& from, uint32_t x) const;
+  glm::vec4 light(uint32_t x) const { return lights_[x]; }
 
  private:
   // Cells about a pixel that are of use to it.
   enum class Use { none, other_side, other_plane, same_plane };
   struct Pixel {
+    uint32_t x;
     glm::vec3 position{0.0f};
     glm::vec3 normal{0.0f};  // of the cell that shows its plane; where there is none the way to the eye
-    int rings = 0;           // of cells about it that count; 0: nothing is drawn
+    int rings = 1;           // of cells about it that count
     bool has_plane = false;
+    bool by_own = false;  // its own cell shows its plane, and nothing hides that from it
     uint32_t hidden = 0;  // a bit for each of the cells about it that are behind something
   };
-  // A ray from a pixel to a cell.
+  // A ray from one of pixels_ to a cell.
   struct Question {
     uint32_t pixel, hidden;
   };
-  void find_plane(const CellsToSpread& from, uint32_t x, glm::vec3 to_eye);
-  void ask(const CellsToSpread& from, uint32_t x, int ring);
+  // Pixels of every second column, the first of them 0 or 1.
+  struct HalfRow {
+    std::vector<float> position[3], depth, light[3];
+    PixelColumns at(size_t cell);
+  };
+  void locate(const FrameCamera& camera, const float* depths, uint32_t width);
+  void spread(const CellsToSpread& from, const IrradianceKernels& kernels, uint32_t width);
+  void find_plane(const CellsToSpread& from, Pixel& pixel, glm::vec3 to_eye);
+  bool ask_own(const CellsToSpread& from, uint32_t pixel);
+  void ask_around(const CellsToSpread& from, uint32_t pixel, int ring);
+  void ask(const CellsToSpread& from, uint32_t pixel, size_t cell, uint32_t bit);
+  void hide_behind_walls(const CellsToSpread& from, Pixel& pixel) const;
   void answer(const Intersector& intersector);
   Use use_of(const CellsToSpread& from, const Pixel& pixel, size_t cell, uint32_t bit) const;
-  bool has_light(const CellsToSpread& from, uint32_t x, int ring) const;
+  bool has_light(const CellsToSpread& from, const Pixel& pixel, int ring) const;
+  glm::vec4 mean_light(const CellsToSpread& from, const Pixel& pixel) const;
 
   uint32_t y_ = 0;
-  std::vector<Pixel> pixels_;
+  HalfRow halves_[2];
+  std::vector<glm::vec4> lights_;
+  std::vector<Pixel> pixels_;  // those that have questions
   std::vector<Ray> rays_;
   std::vector<Question> questions_;
   std::vector<uint8_t> occluded_;

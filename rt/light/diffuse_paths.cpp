@@ -12,6 +12,8 @@ namespace {
 
 constexpr uint32_t direction_purpose = 61, roulette_purpose = 62;
 constexpr float most_reflected = 0.95f;
+// Roughness of the lobe over which the sky's light is averaged where a ray leaves the scene.
+constexpr float blur_of_open_sky = 0.5f;
 constexpr float short_of_hit = 1.0f - 0x1p-16f;
 
 // What a surface reflects of light from everywhere alike.
@@ -33,6 +35,7 @@ void DiffusePaths::begin(const ShadingScene& scene, const Intersector& intersect
   has_sky_ = !scene.snapshot->environment->black;
   rays = rays_shadow = 0;
   batch_.begin(scene, intersector.isa());
+  environment_ = {*scene.snapshot->environment, shade_kernels(intersector.isa().c_str())};
   light_.begin(scene, intersector);
   straight_.begin(scene, intersector);
 }
@@ -117,26 +120,36 @@ void DiffusePaths::choose_ways_on(uint32_t bounce) {
 // Finds out whether the ways on leave the scene.
 void DiffusePaths::find_sky() {
   open_.assign(paths_.size(), 0);
+  ways_.resize(paths_.size());
   next_hits_.resize(next_.size());
   intersector_->nearest_opaque(next_, false, next_hits_.data());
   hidden_.resize(ends_.size());
   if (!ends_.empty()) intersector_->occluded(ends_, false, hidden_.data(), OpaqueSet::occludes_sky);
   rays += next_.size() + ends_.size();
-  for (size_t i = 0; i < next_.size(); ++i) open_[next_points_[i]] = next_hits_[i].instance == no_instance;
-  for (size_t i = 0; i < ends_.size(); ++i) open_[end_points_[i]] = hidden_[i] == 0;
+  const auto note = [&](uint32_t point, const Ray& ray, bool open) { ways_[point] = ray.direction, open_[point] = open; };
+  for (size_t i = 0; i < next_.size(); ++i) note(next_points_[i], next_[i], next_hits_[i].instance == no_instance);
+  for (size_t i = 0; i < ends_.size(); ++i) note(end_points_[i], ends_[i], hidden_[i] == 0);
+}
+
+// What a matt surface gets from the sky is what comes along the ray, whose directions are drawn by the cosine. Lobes and what
+// is behind see all of the sky, or nothing.
+void DiffusePaths::show_sky() {
+  batch_.reflect_environment();
+  const std::span<AroundBlock> around = batch_.around();
+  sky_.resize(points_.size());
+  environment_.specular(ways_, blur_of_open_sky, sky_.data());
+  for (size_t i = 0; i < points_.size(); ++i) {
+    AroundBlock& a = around[i / block_size];
+    set_vector(a.irradiance, i % block_size, open_[i] ? sky_[i] : glm::vec3(0.0f));
+    if (open_[i]) continue;
+    for (BlockRow* rows : {a.behind, a.specular, a.coat})
+      set_vector(*reinterpret_cast<BlockRow(*)[3]>(rows), i % block_size, glm::vec3(0.0f));
+  }
 }
 
 void DiffusePaths::shade() {
   batch_.load(points_);
-  if (has_sky_) {
-    batch_.reflect_environment();
-    const std::span<AroundBlock> around = batch_.around();
-    for (size_t i = 0; i < points_.size(); ++i) {
-      if (open_[i]) continue;
-      AroundBlock& a = around[i / block_size];
-      for (BlockRow* rows : {a.irradiance, a.behind, a.specular, a.coat}) set_vector(*reinterpret_cast<BlockRow(*)[3]>(rows), i % block_size, glm::vec3(0.0f));
-    }
-  }
+  if (has_sky_) show_sky();
   batch_.finish(light_of_points_.data());
   // One ray stands for all lights of a point.
   constexpr LightOdds odds{0.0f, std::numeric_limits<float>::max()};

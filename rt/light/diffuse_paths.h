@@ -1,8 +1,8 @@
 // Follows light backward from matt surfaces: a ray in a direction drawn by the cosine, on from what it hits, and so on. Russian
 // roulette by what each surface reflects ends a path, so that all bounces count and their number adapts to how bright the
 // surfaces are: dark scenes cost one. Every surface is lit by one of its lights, drawn by what they add, with a shadow ray; by
-// its own emission; and by the surroundings where the ray that goes on leaves the scene: then all of the prefiltered
-// environment counts, which has less noise than what the ray itself sees, and the same mean where nothing hides a part of it.
+// its own emission; and by the surroundings where the ray that goes on leaves the scene: by what comes from about that
+// direction, so that no texel of the sun is met by chance.
 // Surfaces reflect as matt ones of their albedo. Holds scratch memory: one object per thread.
 #pragma once
 
@@ -15,6 +15,7 @@
 #include "rt/light/direct_light.h"
 #include "rt/light/secondary_hits.h"
 #include "rt/light/straight_light.h"
+#include "rt/surfaces/environment_lanes.h"
 #include "rt/surfaces/surface_batch.h"
 
 namespace sideray::rt {
@@ -45,6 +46,7 @@ class DiffusePaths {
   void drop_misses();
   void choose_ways_on(uint32_t bounce);
   void find_sky();
+  void show_sky();
   void shade();
   void go_on();
 
@@ -53,6 +55,7 @@ class DiffusePaths {
   SecondaryHitShader* host_ = nullptr;
   bool shadows_ = true, has_sky_ = false;
   SurfaceBatch batch_;
+  EnvironmentLanes environment_;
   DirectLight light_;
   StraightLight straight_;
 
@@ -68,6 +71,7 @@ class DiffusePaths {
   std::vector<uint32_t> next_points_, end_points_;
   std::vector<glm::vec3> reflected_;  // of next_: the path's share of what comes along it
   std::vector<Hit> next_hits_;
+  std::vector<glm::vec3> ways_, sky_;  // of the ray that goes on from each point: its direction, and the sky's light there
   std::vector<uint8_t> hidden_, open_;
 };
 

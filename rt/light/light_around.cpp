@@ -6,7 +6,6 @@
 
 #include "rt/base/largest.h"
 #include "rt/base/sampling.h"
-#include "rt/textures/environment_lookup.h"
 
 namespace sideray::rt {
 namespace {
@@ -47,6 +46,7 @@ glm::vec3 share_of(glm::vec3 part, glm::vec3 whole) {
 void LightAround::begin(const ShadingScene& scene, const Intersector& intersector, bool shadows) {
   const model::Environment& environment = *scene.snapshot->environment;
   environment_ = environment.black ? nullptr : &environment;
+  lanes_ = {environment, shade_kernels(intersector.isa().c_str())};
   scene_ = &scene;
   intersector_ = &intersector;
   veiled_ = environment_ && veils_sky(*scene.snapshot);
@@ -123,9 +123,12 @@ void LightAround::send_paths() {
 
 // Finds what each path's first direction sees of the sky, by what is translucent before it.
 void LightAround::see_sky() {
-  clear_.clear(), of_clear_.clear();
+  clear_.clear(), of_clear_.clear(), directions_.clear();
+  for (const Ray& ray : rays_) directions_.push_back(ray.direction);
+  sky_.resize(directions_.size());
+  lanes_.specular(directions_, blur_of_sky, sky_.data());
   for (uint32_t i = 0; i < records_.size(); ++i) {
-    records_[i].sky = environment_specular(*environment_, rays_[i].direction, blur_of_sky);
+    records_[i].sky = sky_[i];
     if (nearness_[i] > 0.0f) continue;
     records_[i].seen_sky = records_[i].sky;
     clear_.push_back(rays_[i]);

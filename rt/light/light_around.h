@@ -12,6 +12,7 @@
 
 #include "rt/light/diffuse_paths.h"
 #include "rt/light/veils.h"
+#include "rt/surfaces/environment_lanes.h"
 #include "rt/surfaces/surface_batch.h"
 
 namespace sideray::rt {
@@ -60,6 +61,7 @@ class LightAround {
   const ShadingScene* scene_ = nullptr;
   const Intersector* intersector_ = nullptr;
   const model::Environment* environment_ = nullptr;  // null: black
+  EnvironmentLanes lanes_;
   bool veiled_ = false;  // something translucent is before the sky
   DiffusePaths paths_;
   Veils veils_;
@@ -72,6 +74,7 @@ class LightAround {
   std::vector<uint32_t> keys_;
   std::vector<glm::vec3> radiance_;
   std::vector<float> nearness_;
+  std::vector<glm::vec3> directions_, sky_;  // of rays_, and the sky's light there
   std::vector<ArrivingLight> means_;     // about each of records_
   std::vector<ArrivingLight> arriving_;  // at each point of the batch
 };

@@ -7,6 +7,7 @@
 
 #include "rt/base/largest.h"
 #include "rt/base/sampling.h"
+#include "rt/surfaces/environment_lanes.h"
 #include "rt/surfaces/sprite_surface.h"
 #include "rt/textures/environment_lookup.h"
 
@@ -48,17 +49,6 @@ constexpr uint32_t surface_words = sizeof(SurfaceBlock) / sizeof(BlockRow);
 
 TexelView view(const model::Environment::Image& image) {
   return {&image.texels[0].x, static_cast<int32_t>(image.width), static_cast<int32_t>(image.height)};
-}
-
-EnvironmentLevels levels_of(const model::Environment& environment) {
-  EnvironmentLevels levels{};
-  if (environment.black) return levels;
-  for (const model::Environment::Image& image : environment.specular) {
-    levels.texels[levels.count] = &image.texels[0].x;
-    levels.width[levels.count] = static_cast<float>(image.width);
-    levels.height[levels.count++] = static_cast<float>(image.height);
-  }
-  return levels;
 }
 
 LightTerms terms(const shading::SrLight& l) {

@@ -90,7 +90,8 @@ std::optional<Scattering> read_scattering(const File& file, const tinygltf::Mate
   const tinygltf::Value* e = extension(source.extensions, scatter_extension);
   if (e == nullptr) return std::nullopt;
   if (e->Has("multiscatterColorTexture"))
-    content.warnings.push_back(fmt::format("{}: its multiscatterColorTexture is not read; the factor counts", user));
+    content.warnings.push_back(fmt::format("{}: its multiscatterColorTexture is not read; give the mean of "
+                                           "its colours as multiscatterColorFactor", user));
   // Drafts and files of then call it multiscatterColor.
   const char* key = e->Has("multiscatterColorFactor") ? "multiscatterColorFactor" : "multiscatterColor";
   const std::vector<double> color = numbers(file, *e, key, {0, 0, 0});

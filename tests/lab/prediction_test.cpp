@@ -62,8 +62,8 @@ TEST(Prediction, ReducedFramesHaveEnoughPixels) {
 Probe some_probe() {
   Probe probe;
   probe.small.pixels = 57600, probe.large.pixels = 230400;
-  probe.small.work = {100, 200, 300, 400, 500, 600, 700, 0, 0};
-  probe.large.work = {400, 800, 1200, 1600, 2000, 2400, 2800, 0, 0};
+  probe.small.work = {100, 200, 300, 400, 500, 600, 700, 0, 150};
+  probe.large.work = {400, 800, 1200, 1600, 2000, 2400, 2800, 0, 600};
   probe.small.stage_ms[SIDERAY_STAGE_TOTAL_FRAME] = 2, probe.large.stage_ms[SIDERAY_STAGE_TOTAL_FRAME] = 5;
   return probe;
 }
@@ -71,17 +71,20 @@ Probe some_probe() {
 TEST(Prediction, StaysWithinTheBoundsAndTakesTheCacheFromThem) {
   sideray_plan_work most{};
   most.rays_primary = 1000;
-  most.rays_reflection = most.rays_shadow = most.rays_ao = most.bytes_readback = most.bytes_upload = SIDERAY_UNBOUNDED;
+  most.rays_reflection = most.rays_shadow = most.rays_ao = most.rays_bounce = SIDERAY_UNBOUNDED;
+  most.bytes_readback = most.bytes_upload = SIDERAY_UNBOUNDED;
   most.bytes_cache = 4242;
   const FrameCost cost = predict(some_probe(), 921600, most);
   EXPECT_EQ(cost.work.rays_primary, 1000u);
   EXPECT_EQ(cost.work.rays_reflection, 3200u);
+  EXPECT_EQ(cost.work.rays_bounce, 2400u);
   EXPECT_EQ(cost.work.fragments, 0u) << "bounded by 0";
   EXPECT_EQ(cost.work.bytes_upload, 11200u);
   EXPECT_EQ(cost.work.bytes_cache, 4242u);
   EXPECT_NEAR(cost.ms(), 17.0, 1e-9);
   const FrameCost twice = predict(some_probe(), 921600, most, 2);
   EXPECT_EQ(twice.work.rays_reflection, 6400u);
+  EXPECT_EQ(twice.work.rays_bounce, 4800u);
   EXPECT_EQ(twice.work.bytes_cache, 4242u);
   EXPECT_NEAR(twice.ms(), 34.0, 1e-9);
 }

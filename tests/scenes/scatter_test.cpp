@@ -82,7 +82,7 @@ TEST(Scattering, WithoutAVolumeNothingScatters) {
 TEST(Scattering, ItsTextureIsNamed) {
   const json scatter = {{"multiscatterColorFactor", {1, 1, 1}}, {"multiscatterColorTexture", {{"index", 0}}}};
   EXPECT_THAT(body(0.2, "straight", scatter).load().warnings,
-              ElementsAre(HasSubstr("multiscatterColorTexture is not read"), HasSubstr("is shown as diffuse light")));
+              ElementsAre(HasSubstr("give the mean of its colours as multiscatterColorFactor"), HasSubstr("is shown as diffuse light")));
 }
 
 TEST(Scattering, BrokenValuesAreRefusedByName) {
