@@ -131,6 +131,7 @@ void Drawer::publish(size_t side_index, std::shared_ptr<const Frame> frame) {
   }
   shown_.errors[side_index].clear();
   shown_.frames[side_index] = std::move(frame);
+  ++shown_.pictures;
   wake_();
 }
 
@@ -171,15 +172,17 @@ void Drawer::paint(std::unique_lock<std::mutex>& lock, Painter& painter, size_t 
 
 void Drawer::draw_pictures() {
   {
-    const std::string device = [&] {
-      try {
-        return machine_.description();
-      } catch (const std::exception& failure) {
-        return std::string(failure.what());
-      }
-    }();
+    std::string device;
+    float budget_ms = 0;
+    try {
+      device = machine_.description();
+      budget_ms = machine_.is_software() ? 0 : hardware_budget_ms;
+    } catch (const std::exception& failure) {
+      device = failure.what();
+    }
     const std::lock_guard lock(mutex_);
     shown_.device = device;
+    shown_.budget_ms = budget_ms;
   }
   wake_();
   std::unique_lock lock(mutex_);

@@ -32,6 +32,8 @@ class Drawer {
     std::shared_ptr<const Inspection> inspection;
     std::array<std::string, sides> errors;  // why a side cannot be drawn; "" = it can
     std::string device;                     // "" until it is known
+    float budget_ms = 0;                    // of moving pictures, where nothing else is set; 0 = smaller ones are drawn
+    uint64_t pictures = 0;                  // that were drawn since the window was opened
   };
   Shown shown() const;
 

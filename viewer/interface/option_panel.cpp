@@ -123,10 +123,12 @@ bool OptionPanel::draw(Options& options, const sideray_scene_facts& facts, std::
   find_reasons(options, facts);
   std::optional<std::pair<std::string, std::string>> change;
   std::vector<std::string> groups{"Most used"};
-  for (size_t i = 0; i < sideray_option_count(); ++i) {
-    const char* group = sideray_option_at(i)->group;
-    if (std::find(groups.begin(), groups.end(), group) == groups.end()) groups.emplace_back(group);
-  }
+  for (const int32_t diagnostic : {0, 1})  // these last
+    for (size_t i = 0; i < sideray_option_count(); ++i) {
+      const sideray_option& row = *sideray_option_at(i);
+      if ((row.diagnostic != 0) == (diagnostic != 0) && std::find(groups.begin(), groups.end(), row.group) == groups.end())
+        groups.emplace_back(row.group);
+    }
   for (const std::string& group : groups) {
     const bool is_first = group == groups.front();
     bool is_open = is_first, has_title = is_first;
