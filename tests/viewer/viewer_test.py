@@ -238,6 +238,20 @@ class Viewer(unittest.TestCase):
         self.assertIn("64/64", self.title(), "the old scene did not stay")
         self.close()
 
+    def test_the_space_bar_plays_and_pauses(self):
+        scene_files.gltf(self.folder / "square.gltf")
+        self.open("square.gltf", "120x90")
+        self.wait_for("64/64")
+        picture = (0, 30, 120, 90)
+        for _ in range(2):
+            still = self.display.screen(picture)
+            self.client.press("space")
+            self.wait_until(lambda: self.display.screen(picture) != still, "nothing moves")
+            self.client.press("space")
+            time.sleep(1)
+            self.wait_for("64/64")
+        self.close()
+
     def test_variants_of_materials_are_chosen_in_the_panel(self):
         scene_files.gltf(self.folder / "square.gltf")
         self.open("square.gltf", "300x500")
