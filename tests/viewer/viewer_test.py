@@ -168,6 +168,9 @@ class Viewer(unittest.TestCase):
         self.wait_for("64/64")
         self.display.use("key", "Tab")
         self.wait_for("reference ")
+        self.display.use("key", "m")
+        self.wait_until(lambda: len({self.color(x, y) for x in range(5, 155, 30) for y in range(35, 90, 10)}) > 5,
+                        "the map of differences did not come", 60)
         self.close()
 
     def test_a_scene_that_cannot_be_read_leaves_the_old_one(self):

@@ -56,7 +56,7 @@ class Drawer {
   Effort preview_effort(Way way);
   void paint(std::unique_lock<std::mutex>& lock, Painter& painter, size_t side, const Effort& effort);
   void publish(size_t side, std::shared_ptr<const Frame> frame);
-  void compare(std::unique_lock<std::mutex>& lock);
+  bool compare(std::unique_lock<std::mutex>& lock);
   void inspect(std::unique_lock<std::mutex>& lock);
 
   Machine& machine_;

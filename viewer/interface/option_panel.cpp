@@ -45,7 +45,6 @@ std::string reason_of(const sideray_option& row, const Options& options, const s
 }
 
 void explain(const sideray_option& row, const std::string& reason) {
-  if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
   ImGui::BeginTooltip();
   ImGui::PushTextWrapPos(360);
   ImGui::Text("--%s", row.name);
@@ -109,12 +108,13 @@ std::optional<std::string> OptionPanel::draw_row(const sideray_option& row, cons
   const bool is_list = row.type == SIDERAY_OPTION_CHOICE || row.type == SIDERAY_OPTION_SWITCH || row.type == SIDERAY_OPTION_FLAG;
   std::string value = is_list ? choose(row, options) : write(row, options);
   ImGui::EndGroup();
-  explain(row, is_idle ? reason->second : "");
+  const bool is_hovered = ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled);
   if (options.is_set(row.name)) {
     ImGui::SameLine();
     if (ImGui::SmallButton("default")) value = "";
   }
   ImGui::EndDisabled();
+  if (is_hovered) explain(row, is_idle ? reason->second : "");  // not as pale as the option itself
   ImGui::PopID();
   return value == unchanged ? std::nullopt : std::optional(value);
 }
