@@ -35,6 +35,9 @@ struct FramePosition {
 // Whether fragments are only drawn, or counted too and, where options say so, checked: an extra pass.
 enum class Fragments { drawn, counted };
 
+// What a pixel has answers of.
+enum class AnswerOf { lights, sky, reflections, layers };
+
 class Backend {
  public:
   virtual ~Backend() = default;
@@ -92,6 +95,8 @@ class Backend {
   virtual std::vector<uint8_t> read_shadows(size_t bytes) = 0;
   virtual const rt::OcclusionMasks& masks() const = 0;
   virtual const rt::CompositeImage& composite() const = 0;
+  // Returns what MaskJob::answers() does, of each kind.
+  virtual std::vector<uint8_t> answers(AnswerOf of) const = 0;
 
  protected:
   Backend() = default;

@@ -37,7 +37,7 @@ bool may_add(const FramePlan& plan, const RenderOptions& o, bool has_budget) {
 // Whether parts of a picture can be drawn: none of its outputs and passes shows what another part of the frame has.
 bool has_parts(const FramePlan& plan, const RenderOptions& o, const model::Snapshot& snapshot) {
   constexpr uint32_t traced = SIDERAY_AOV_LAYERS | SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE | SIDERAY_AOV_FIRST |
-                              SIDERAY_AOV_GLASS | SIDERAY_AOV_BEHIND | SIDERAY_AOV_REFRACTION;
+                              SIDERAY_AOV_GLASS | SIDERAY_AOV_BEHIND | SIDERAY_AOV_REFRACTION | SIDERAY_AOV_ANSWERS;
   return !plan.reference && !plan.composites() && !plan.second_wave && !plan.checks && !plan.distorts &&
          !plan.masks.combined_lights && !o.shows(traced) && !o.diagnostics.exact_points && o.picture.repeats == 0 &&
          o.picture.budget_ms <= 0.0f && o.diagnostics.budget_pieces == 0 && !snapshot.shader.shade;

@@ -35,9 +35,9 @@ void check_picture(const RenderOptions& o) {
     fail(SIDERAY_INVALID_ARGUMENT, "shadow bias {}: give a finite length of 0 or more", o.shadows.bias);
   if (o.is_reference && o.picture.without_color)
     fail(SIDERAY_INVALID_ARGUMENT, "without_color: a reference is its colours; leave one of them out");
-  if (o.is_reference && o.shows(SIDERAY_AOV_MASK | SIDERAY_AOV_LAYERS))
-    fail(SIDERAY_INVALID_ARGUMENT, "reference: has no mask and no layers to show; leave SIDERAY_AOV_{} out",
-         o.shows(SIDERAY_AOV_MASK) ? "MASK" : "LAYERS");
+  if (o.is_reference && o.shows(SIDERAY_AOV_MASK | SIDERAY_AOV_LAYERS | SIDERAY_AOV_ANSWERS))
+    fail(SIDERAY_INVALID_ARGUMENT, "reference: has no mask, no layers and no answers to show; leave SIDERAY_AOV_{} out",
+         o.shows(SIDERAY_AOV_MASK) ? "MASK" : o.shows(SIDERAY_AOV_LAYERS) ? "LAYERS" : "ANSWERS");
 }
 
 }  // namespace

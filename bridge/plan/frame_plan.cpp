@@ -196,6 +196,7 @@ void plan_sequence(const RenderOptions& o, FramePlan& plan) {
 
 // Leaves out what only a picture's colours need.
 RenderOptions needed_without_color(RenderOptions o) {
+  if (o.shows(SIDERAY_AOV_ANSWERS)) return o;
   if (!o.shows(SIDERAY_AOV_LAYERS | SIDERAY_AOV_MASK)) o.translucency.method = SIDERAY_TRANSLUCENCY_OFF;
   if (!o.shows(SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE | SIDERAY_AOV_INEXACT)) o.shadows.method = SIDERAY_SHADOWS_OFF;
   o.picture.ambient = SIDERAY_AMBIENT_OFF;

@@ -108,4 +108,14 @@ std::vector<uint8_t> RasterBackend::read_shadows(size_t bytes) {
   return lit;
 }
 
+std::vector<uint8_t> RasterBackend::answers(AnswerOf of) const {
+  switch (of) {
+    case AnswerOf::lights: return service_->mask_job().answers(rt::OlderMasks::of_lights);
+    case AnswerOf::sky: return service_->mask_job().answers(rt::OlderMasks::of_sky);
+    case AnswerOf::reflections: return service_->reflection_job().answers();
+    case AnswerOf::layers: return service_->layer_job().answers();
+  }
+  return {};
+}
+
 }  // namespace sideray::bridge

@@ -45,6 +45,7 @@ class RasterBackend final : public Backend {
   const rt::OcclusionMasks& masks() const override { return service_->mask_image(); }
   const rt::LayerCache& read_layers(const PictureJob&) override { return service_->cache(); }
   const rt::CompositeImage& composite() const override { return service_->composite(); }
+  std::vector<uint8_t> answers(AnswerOf of) const override;
 
  private:
   std::unique_ptr<gl::Context> context_;

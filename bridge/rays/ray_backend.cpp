@@ -259,4 +259,14 @@ std::vector<uint8_t> RayBackend::read_shadows(size_t bytes) {
   return lit;
 }
 
+std::vector<uint8_t> RayBackend::answers(AnswerOf of) const {
+  switch (of) {
+    case AnswerOf::lights: return jobs_->masks.answers(rt::OlderMasks::of_lights);
+    case AnswerOf::sky: return jobs_->masks.answers(rt::OlderMasks::of_sky);
+    case AnswerOf::reflections: return jobs_->reflections.answers();
+    case AnswerOf::layers: return jobs_->layers.answers();
+  }
+  return {};
+}
+
 }  // namespace sideray::bridge

@@ -57,6 +57,7 @@ class RayBackend final : public Backend {
   const rt::OcclusionMasks& masks() const override { return jobs_->masks.image(); }
   const rt::LayerCache& read_layers(const PictureJob& job) override;
   const rt::CompositeImage& composite() const override { return jobs_->layers.composite(); }
+  std::vector<uint8_t> answers(AnswerOf of) const override;
 
  private:
   class Frame;

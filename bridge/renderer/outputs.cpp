@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "bridge/renderer/answer_outputs.h"
 #include "bridge/renderer/truth_outputs.h"
 
 namespace sideray::bridge {
@@ -132,6 +133,7 @@ void add_aovs(const PictureJob& job, const gl::RasterView& view, Picture& pictur
   if (o.shows(SIDERAY_AOV_MASK)) add_mask_count(job, picture);
   if (o.shows(SIDERAY_AOV_LAYERS) && job.plan.layers_to_show() > 0)
     add_layers(picture, job.backend.read_layers(job), job.plan.layers_to_show());
+  add_answers(job, picture);
   add_ground_truth(job, picture);
 }
 

@@ -61,6 +61,9 @@ class Service {
   const rt::LayerTruth& truth() const { return views_[0]->layers.truth(); }  // Offscreen::check
   const rt::CompositeImage& composite() const { return views_[0]->layers.composite(); }
   const rt::OcclusionMasks& mask_image() const { return views_[0]->masks.image(); }
+  const MaskJob& mask_job() const { return views_[0]->masks; }
+  const ReflectionJob& reflection_job() const { return views_[0]->reflections; }
+  const LayerJob& layer_job() const { return views_[0]->layers; }
 
  private:
   using Clock = Stopwatch::Clock;

@@ -38,7 +38,8 @@ const std::vector<Group>& groups() {
                                           {"first", SIDERAY_AOV_FIRST, surface_channels},
                                           {"glass", SIDERAY_AOV_GLASS, surface_channels},
                                           {"behind", SIDERAY_AOV_BEHIND, path_channels()},
-                                          {"refraction", SIDERAY_AOV_REFRACTION, {"X", "Y", "state"}}};
+                                          {"refraction", SIDERAY_AOV_REFRACTION, {"X", "Y", "state"}},
+                                          {"answer", SIDERAY_AOV_ANSWERS, {"lights", "sky", "reflections", "layers"}}};
   return list;
 }
 
@@ -57,7 +58,7 @@ int layer_number(std::string_view base) {
 [[noreturn]] void unknown(const std::string& name) {
   wrong_usage(
       "--aov: unknown name \"{}\"; there are Z, N, albedo, material, id, mask, layers, layer0..7, shadow, hitdist, "
-      "motion, first, glass, behind, refraction, their channels, all",
+      "motion, first, glass, behind, refraction, answer, their channels, all",
       name);
 }
 
@@ -73,8 +74,8 @@ uint32_t bit_of(const std::string& name, const FrameContents& frame) {
   const std::string_view base = std::string_view(name).substr(0, dot);
   const std::string_view channel =
       dot == std::string::npos ? std::string_view() : std::string_view(name).substr(dot + 1);
-  if (frame.reference && (base == "mask" || base == "motion" || base.starts_with("layer")))
-    wrong_usage("--aov {}: a reference has neither mask nor layers nor motion; leave it out", name);
+  if (frame.reference && (base == "mask" || base == "motion" || base == "answer" || base.starts_with("layer")))
+    wrong_usage("--aov {}: a reference has neither mask nor layers nor motion nor answers; leave it out", name);
   if (name == "layers") return layer_bit(name, 0, frame.layers);
   if (const int number = layer_number(base); number >= 0) {
     if (dot != std::string::npos && !has({"R", "G", "B", "distance", "surface"}, channel)) unknown(name);
@@ -107,7 +108,7 @@ Aovs parse_aovs(const std::string& list, const FrameContents& frame) {
     }
     for (const Group& group : groups()) aovs.bits |= group.bit;
     if (frame.inexact) aovs.bits |= SIDERAY_AOV_INEXACT;
-    if (frame.reference) aovs.bits &= ~uint32_t{SIDERAY_AOV_MASK | SIDERAY_AOV_MOTION | SIDERAY_AOV_INEXACT};
+    if (frame.reference) aovs.bits &= ~uint32_t{SIDERAY_AOV_MASK | SIDERAY_AOV_MOTION | SIDERAY_AOV_INEXACT | SIDERAY_AOV_ANSWERS};
     if (!frame.shadow_masks) aovs.bits &= ~uint32_t{SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE};
     if (frame.layers > 0 && !frame.reference) aovs.bits |= SIDERAY_AOV_LAYERS;
   }

@@ -124,7 +124,11 @@ enum { /* additional outputs */
        SIDERAY_AOV_FIRST = 2048u,      /* the first surface, translucent or not: first.* */
        SIDERAY_AOV_GLASS = 4096u,      /* the first translucent surface: glass.* */
        SIDERAY_AOV_BEHIND = 8192u,     /* the opaque surface at which the bent path ends: behind.* */
-       SIDERAY_AOV_REFRACTION = 16384u /* where the picture shows that place without glass: refraction.* */
+       SIDERAY_AOV_REFRACTION = 16384u, /* where the picture shows that place without glass: refraction.* */
+       /* What each pixel shows of the rays: answer.lights, .sky, .reflections and .layers, as far as they are traced. 0 = it asks
+        * for none, 1 = it has none and is drawn as without rays, 2 = traced for this picture, 3 + N = of an earlier one, N changes
+        * of what it depends on ago. */
+       SIDERAY_AOV_ANSWERS = 32768u
 };
 
 /* The plan chooses ray_reuse: 1/64, divided by 2^exposure for exposures above 0, and 0 where it is not supported.

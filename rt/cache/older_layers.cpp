@@ -97,7 +97,7 @@ bool takes_older(const CacheRequest& request) {
          pattern.cell_height == 1;
 }
 
-size_t OlderLayers::block_of(const PixelRequest& pixel) const {
+size_t OlderLayers::block_of(glm::uvec2 pixel) const {
   const size_t across = (size_t{request_.width} + traced_block - 1) / traced_block;
   return pixel.y / traced_block * across + pixel.x / traced_block;
 }
@@ -423,11 +423,23 @@ void OlderLayers::refuse_whole(const Passage& passage) {
   });
 }
 
+std::vector<uint8_t> OlderLayers::answers() const {
+  std::vector<uint8_t> answers(traced_in_.size(), no_answer);
+  for (uint32_t y = 0; y < request_.height; ++y)
+    for (uint32_t x = 0; x < request_.width; ++x) {
+      const size_t pixel = size_t{y} * request_.width + x;
+      if (traced_in_[pixel] == 0) continue;
+      const uint32_t age = std::min(state_ - traced_in_[pixel], oldest);
+      answers[pixel] = age == 0 && turns_[block_of({x, y})] == number_ ? uint8_t{0} : static_cast<uint8_t>(1 + age);
+    }
+  return answers;
+}
+
 uint32_t OlderLayers::last_turn(std::span<const PixelRequest> pixels) const {
   uint32_t least = number_;
   size_t nothing = 0;
   for (const PixelRequest& p : pixels) {
-    least = std::min(least, turns_[block_of(p)]);
+    least = std::min(least, turns_[block_of({p.x, p.y})]);
     nothing += traced_in_[size_t{p.y} * request_.width + p.x] == 0;
   }
   return 2 * nothing > pixels.size() ? 0 : least;
@@ -458,7 +470,7 @@ void OlderLayers::record(size_t texel, glm::vec3 normal) {
 void OlderLayers::traced(std::span<const PixelRequest> pixels, LayerCache& cache) {
   for (const PixelRequest& p : pixels) {
     traced_in_[size_t{p.y} * cache.width + p.x] = state_;
-    turns_[block_of(p)] = number_;
+    turns_[block_of({p.x, p.y})] = number_;
     const size_t tile = size_t{p.y / tile_size} * tile_count(cache.width) + p.x / tile_size;
     set(cache.traced_tiles[tile]);
     lower(tile_oldest_[tile], state_);
@@ -468,7 +480,7 @@ void OlderLayers::traced(std::span<const PixelRequest> pixels, LayerCache& cache
 uint64_t OlderLayers::leave(std::span<const PixelRequest> pixels, Counters& counters) const {
   uint32_t nothing = 0, earliest = state_, turn = number_;
   for (const PixelRequest& p : pixels) {
-    turn = std::min(turn, turns_[block_of(p)]);
+    turn = std::min(turn, turns_[block_of({p.x, p.y})]);
     const uint32_t traced_in = traced_in_[size_t{p.y} * request_.width + p.x];
     nothing += traced_in == 0;
     earliest = std::min(earliest, traced_in == 0 ? state_ : traced_in);

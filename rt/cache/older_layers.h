@@ -28,6 +28,7 @@ class OlderLayers {
  public:
   // History expires after this many frames in which something has changed; frames without change do not count.
   static constexpr uint32_t oldest = 120;
+  static constexpr uint8_t no_answer = 255;  // in place of an age
 
   // Clears the cache for the request's frame, as begin_cache() does, except for history that can be reused. A frame
   // that does not continue, and a change of lights, environment, materials, textures, triangles, names or options,
@@ -41,6 +42,8 @@ class OlderLayers {
   // Returns whether the cache may hold reprojected layers.
   bool has_moved() const { return has_moved_; }
 
+  // As OlderMasks::answers(), of each pixel's oldest layer.
+  std::vector<uint8_t> answers() const;
   // Returns the frame of the least recently traced pixel; 0 if most of them show nothing.
   uint32_t last_turn(std::span<const PixelRequest> pixels) const;
   // Clears pixels of the cache that are about to be traced.
@@ -98,7 +101,7 @@ class OlderLayers {
   static void refuse_whole(const Passage& passage);
   void mark(const Passage& passage, glm::uvec2 at) const;
   void empty(LayerCache& cache, size_t pixel, uint32_t from) const;
-  size_t block_of(const PixelRequest& pixel) const;
+  size_t block_of(glm::uvec2 pixel) const;
   bool is_moved(uint32_t surface_id) const { return motions_.find(surface_id) != motions_.end(); }
 
   bool known_ = false, has_moved_ = false;

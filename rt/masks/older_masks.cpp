@@ -269,6 +269,19 @@ void OlderMasks::tell_answers(const MaskRequest& r, Executor& executor, Occlusio
   if (whole) masks.answers.clear();
 }
 
+std::vector<uint8_t> OlderMasks::answers(Part part) const {
+  const Kept& p = parts_[part];
+  std::vector<uint8_t> answers = p.ages[now_];
+  for (size_t tile = 0; tile < p.turns.size() && !answers.empty(); ++tile) {
+    if (p.turns[tile] == number_) continue;
+    for_rows(request_, tile, [&](size_t first, uint32_t count) {
+      for (size_t i = first; i < first + count; ++i)
+        if (answers[i] != no_answer) ++answers[i];
+    });
+  }
+  return answers;
+}
+
 std::vector<uint8_t> OlderMasks::new_tiles(const OcclusionMasks& masks, Part part) const {
   constexpr uint32_t across = tile_side / filter_side;
   std::vector<uint8_t> found;

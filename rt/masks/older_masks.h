@@ -43,6 +43,9 @@ class OlderMasks {
   const std::vector<uint32_t>& turns(Part part) const { return parts_[part].turns; }
   // Call when a tile's masks are traced.
   void traced(const MaskRequest& request, Part part, size_t tile);
+  // Returns for each pixel of the frame that has ended 0 where its masks were traced in it, 1 and their age where they are
+  // earlier ones, or no_answer.
+  std::vector<uint8_t> answers(Part part) const;
   // Returns whether a part's masks have history.
   bool knows(Part part) const { return moves_[part]; }
   // Returns whether most pixels of a tile had no mask of the sky in the previous frame. Samples are to be written

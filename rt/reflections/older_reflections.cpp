@@ -43,6 +43,12 @@ void OlderReflections::for_rows(size_t tile, const Work& work) const {
     work(x, row, std::min(frame_tile_size, width_ - x));
 }
 
+std::vector<uint8_t> OlderReflections::answers() const {
+  std::vector<uint8_t> answers = ages_;
+  for (uint8_t& answer : answers) answer = static_cast<uint8_t>(answer + (answer != 0 && answer != no_answer));
+  return answers;
+}
+
 void OlderReflections::traced(size_t tile) {
   turns_[tile] = number_;
   for_rows(tile, [&](uint32_t x, uint32_t y, uint32_t count) {
@@ -73,7 +79,7 @@ void OlderReflections::leave(const ReflectionRequest& r, size_t tile, Reflection
       const size_t texel = first + i, then = from[i];
       const bool mirrors = mirror[i], known = then != PixelTrail::nowhere && ages_then_[then] < oldest;
       const bool shows = mirrors && known && then_[4 * then + 3] != 0;
-      ages_[texel] = known ? static_cast<uint8_t>(ages_then_[then] + 1) : no_answer;
+      ages_[texel] = shows ? static_cast<uint8_t>(ages_then_[then] + 1) : no_answer;
       for (size_t c = 0; c < 4; ++c) image.radiance[4 * texel + c] = shows ? then_[4 * then + c] : uint16_t{0};
       counters.reflection_pixels_older += shows;
       counters.reflection_pixels_late += mirrors && !shows;

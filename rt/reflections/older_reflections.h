@@ -29,6 +29,8 @@ class OlderReflections {
 
   // In which frame each tile had its turn, 0 = never.
   const std::vector<uint32_t>& turns() const { return turns_; }
+  // As OlderMasks::answers().
+  std::vector<uint8_t> answers() const;
   // Call when a tile is traced: it was cleared before.
   void traced(size_t tile);
   // Fills a tile with its history, empty where there is none; counts its pixels that mirror anything.

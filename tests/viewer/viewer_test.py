@@ -1,12 +1,15 @@
 #!/usr/bin/python3
-"""viewer_test.py PROGRAM: the window of `sideray view` on a display of its own (Xvfb), used by real keys and a real mouse (xdotool).
+"""viewer_test.py PROGRAM [LOST_CONTEXT]: the window of `sideray view` on a display of its own (Xvfb), used by real keys and a real
+mouse (xdotool).
 
-Titles say how far a picture is, and pictures of the screen what is seen. Skipped (77) without Xvfb, xdotool or the window, which
-fails instead where SIDERAY_REQUIRE_CONTEXTS is set.
+Titles say how far a picture is, and pictures of the screen what is seen. LOST_CONTEXT is the library of lost_context.c. Skipped
+(77) without Xvfb, xdotool or the window, which fails instead where SIDERAY_REQUIRE_CONTEXTS is set.
 """
 import os
 import pathlib
+import shlex
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -15,9 +18,15 @@ import time
 import unittest
 import zlib
 
+import scene_files
+from display import Display
+
 PROGRAM = pathlib.Path(sys.argv[1]).resolve() if len(sys.argv) > 1 else None
+LOST_CONTEXT = pathlib.Path(sys.argv[2]).resolve() if len(sys.argv) > 2 and sys.argv[2] else None
 SCREEN = (1000, 600)
 PANEL = 380
+# Middles of the panel's rows, in pixels below its top, where no message is shown.
+ROWS = {"A": 61, "B": 86, "compare": 111, "shows": 136, "camera": 161, "variant": 186}
 
 
 def png_rows(path):
@@ -51,39 +60,11 @@ def png_rows(path):
     return rows
 
 
-class Display:
-    """An X server whose screen is a file."""
-
-    def __init__(self, folder):
-        self.folder = folder
-        read, write = os.pipe()
-        self.server = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "%dx%dx24" % SCREEN, "-fbdir", str(folder),
-                                        "-nolisten", "tcp", "-noreset"], pass_fds=[write], stderr=subprocess.DEVNULL)
-        os.close(write)
-        with os.fdopen(read) as stream:
-            self.environment = {**os.environ, "DISPLAY": ":" + stream.readline().strip()}
-
-    def end(self):
-        self.server.terminate()
-        self.server.wait()
-
-    def use(self, *words):
-        return subprocess.run(["xdotool", *map(str, words)], env=self.environment, stdout=subprocess.PIPE,
-                              stderr=subprocess.DEVNULL, text=True, check=False).stdout.strip()
-
-    def screen(self, box):
-        """Bytes of the pixels in (left, top, right, bottom)."""
-        data = (self.folder / "Xvfb_screen0").read_bytes()
-        header = struct.unpack(">25I", data[:100])
-        begin, stride = header[0] + 12 * header[19], header[12]
-        left, top, right, bottom = box
-        return b"".join(data[begin + y * stride + 4 * left:begin + y * stride + 4 * right] for y in range(top, bottom))
-
-
 class Viewer(unittest.TestCase):
     def setUp(self):
         self.folder = pathlib.Path(tempfile.mkdtemp())
-        self.display = Display(self.folder)
+        self.display = Display(self.folder, SCREEN)
+        self.client = self.display.client()
         self.window = None
 
     def tearDown(self):
@@ -92,17 +73,45 @@ class Viewer(unittest.TestCase):
             self.window.wait()
         if self.window:
             self.window.stderr.close()
+        self.client.close()
         self.display.end()
         shutil.rmtree(self.folder)
 
-    def open(self, scene, size="160x90", *options):
-        self.window = subprocess.Popen([PROGRAM, "view", scene, "--size", size, "--threads", "2", *options], cwd=self.folder,
-                                       env=self.display.environment, stderr=subprocess.PIPE, text=True)
+    def open(self, scene, size="160x90", *options, **environment):
+        self.start([PROGRAM, "view", scene, "--size", size, "--threads", "2", *options], **environment)
+
+    def start(self, words, **environment):
+        self.window = subprocess.Popen(words, cwd=self.folder, env={**self.display.environment, **environment},
+                                       stderr=subprocess.PIPE, text=True)
 
     def title(self):
-        return self.display.use("search", "--onlyvisible", "--name", "Sideray", "getwindowname")
+        return self.client.title(self.client.window("Sideray"))
 
-    def wait_for(self, text, seconds=60, title=None):
+    def drag(self, *places):
+        """As a hand does: not all of it between two frames of the window."""
+        self.display.use("mousemove", *places[0], "sleep", 0.2, "mousedown", 1, "sleep", 0.3)
+        for place in places[1:]:
+            self.display.use("mousemove", *place, "sleep", 0.3)
+        self.display.use("mouseup", 1, "sleep", 0.3)
+
+    def choose(self, row, item, left):
+        """Opens a list of the panel, which begins at `left`, and chooses the item of that number."""
+        self.client.click(left + 100, ROWS[row], seconds=0.2)
+        self.client.click(left + 100, ROWS[row] + 25 + 19 * item, seconds=0.2)
+
+    def color(self, x, y):
+        """Red, green and blue on the screen."""
+        return tuple(reversed(self.display.screen((x, y, x + 1, y + 1))[:3]))
+
+    def wait_until(self, holds, message, seconds=20):
+        end = time.monotonic() + seconds
+        while time.monotonic() < end and self.window.poll() is None:
+            if holds():
+                return
+            time.sleep(0.05)
+        self.fail(f"{message}; the title is {self.title()!r}")
+
+    def wait_for(self, text, seconds=150, title=None):
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             if self.window.poll() is not None:
@@ -152,14 +161,16 @@ class Viewer(unittest.TestCase):
         self.open("panes")
         self.wait_for("64/64")
         still = self.display.screen((0, 30, 160, 90))
-        self.display.use("mousemove", 60, 60, "mousedown", 1, "mousemove", 90, 60, "mousemove", 110, 60, "mouseup", 1)
-        self.wait_for(" 0/64", 10, lambda: self.title() + (" 0/64" if self.display.screen((0, 30, 160, 90)) != still else ""))
-        self.assertNotEqual(self.display.screen((0, 30, 160, 90)), still, "a drag did not turn the view")
+        self.drag((60, 60), (90, 60), (110, 60))
+        self.wait_until(lambda: self.display.screen((0, 30, 160, 90)) != still, "a drag did not turn the view")
         self.display.use("key", "c")
         self.wait_for("reference ")
         self.wait_for("64/64")
         self.display.use("key", "Tab")
         self.wait_for("reference ")
+        self.display.use("key", "m")
+        self.wait_until(lambda: len({self.color(x, y) for x in range(5, 155, 30) for y in range(35, 90, 10)}) > 5,
+                        "the map of differences did not come", 60)
         self.close()
 
     def test_a_scene_that_cannot_be_read_leaves_the_old_one(self):
@@ -191,10 +202,149 @@ class Viewer(unittest.TestCase):
         self.assertIsNone(self.window.poll())
         self.assertLess(self.close(), 5, "closing waited for a picture")
 
+    def test_a_command_whose_control_key_is_released_first_does_not_fly(self):
+        self.open("panes")
+        self.wait_for("64/64")
+        self.client.hold("Control_L", True)
+        self.client.hold("s", True)
+        self.wait_until(self.pictures, "nothing was saved")
+        still = self.display.screen((0, 30, 160, 90))
+        self.client.hold("Control_L", False)
+        time.sleep(1)
+        self.client.hold("s", False)
+        time.sleep(0.5)
+        self.assertIn("64/64", self.title())
+        self.assertEqual(self.display.screen((0, 30, 160, 90)), still)
+        self.close()
+
+    def test_dropped_files_are_shown_together(self):
+        scene_files.gltf(self.folder / "a square.gltf")
+        scene_files.hdr(self.folder / "red.hdr", 200, 20, 20)
+        scene_files.hdr(self.folder / "green.hdr", 20, 200, 20)
+        (self.folder / "broken.glb").write_bytes(b"no scene")
+        self.open("panes", "120x300")
+        self.wait_for("64/64")
+        window = self.client.window("Sideray")
+        self.assertTrue(self.client.drop(window, [self.folder / "a square.gltf", self.folder / "red.hdr"]))
+        self.wait_for("a square.gltf")
+        self.wait_for("64/64")
+        red, green, _ = self.color(20, 150)
+        self.assertGreater(red, 2 * green, "the surroundings are not those that were dropped with the scene")
+        self.assertTrue(self.client.drop(window, [self.folder / "green.hdr"]))
+        self.wait_until(lambda: self.color(20, 150)[1] > 2 * self.color(20, 150)[0], "the second surroundings did not come")
+        self.wait_for("a square.gltf")
+        self.wait_for("64/64")
+        panel = self.display.screen((130, 30, 470, 80))
+        self.assertTrue(self.client.drop(window, [self.folder / "broken.glb"]))
+        self.wait_until(lambda: self.display.screen((130, 30, 470, 80)) != panel, "the panel does not say what is wrong")
+        self.assertIn("a square.gltf", self.title(), "the old scene did not stay")
+        self.assertIn("64/64", self.title(), "the old scene did not stay")
+        self.close()
+
+    def test_the_space_bar_plays_and_pauses(self):
+        scene_files.gltf(self.folder / "square.gltf")
+        self.open("square.gltf", "120x90")
+        self.wait_for("64/64")
+        picture = (0, 30, 120, 90)
+        for _ in range(2):
+            still = self.display.screen(picture)
+            self.client.press("space")
+            self.wait_until(lambda: self.display.screen(picture) != still, "nothing moves")
+            self.client.press("space")
+            time.sleep(1)
+            self.wait_for("64/64")
+        self.close()
+
+    def test_variants_of_materials_are_chosen_in_the_panel(self):
+        scene_files.gltf(self.folder / "square.gltf")
+        self.open("square.gltf", "300x500")
+        self.wait_for("64/64")
+        self.assertLess(max(self.color(150, 250)) - min(self.color(150, 250)), 40, "the file's own material is grey")
+        for item, channel in ((1, 0), (2, 2)):
+            self.choose("variant", item, 300)
+            self.wait_until(lambda: self.color(150, 250)[channel] > 2 * self.color(150, 250)[2 - channel],
+                            f"variant {item} is not shown")
+            self.wait_for("64/64")
+        saved = self.save()
+        subprocess.run([PROGRAM, "render", "square.gltf", "--variant", "blue", "--gl", "none", "--size", "300x500", "--samples", "64",
+                        "-o", "render.png"], cwd=self.folder, check=True)
+        self.assertEqual(png_rows(saved), png_rows(self.folder / "render.png"))
+        self.close()
+
+    def test_the_age_of_answers_is_shown_and_the_pixel_inspected(self):
+        self.open("panes", "120x600")
+        self.wait_for("picture")
+        self.choose("shows", 17, 120)  # age of light
+        traced, no_rays = (70, 150, 90), (30, 30, 32)
+        self.wait_until(lambda: self.color(60, 300) == traced, "light is not traced in a picture without a budget", 60)
+        rows = png_rows(self.save())
+        self.assertEqual({tuple(row[i:i + 3]) for row in rows for i in range(0, len(row), 3)} - {traced, no_rays}, set())
+        self.client.move(60, 200)
+        before = self.display.screen((0, 500, 120, 600))
+        self.client.press("i")
+        self.wait_until(lambda: self.display.screen((0, 500, 120, 600)) != before, "nothing is said of the pixel")
+        self.close()
+
+    def test_the_button_of_the_window_ends_a_picture_in_the_middle(self):
+        self.open("bistro", "600x500", "--quality", "best")
+        self.wait_for("picture")
+        self.drag((200, 200), (300, 220))
+        time.sleep(0.6)  # the whole picture has begun
+        begin = time.monotonic()
+        self.client.ask_to_close(self.client.window("Sideray"))
+        self.assertEqual(self.window.wait(20), 0)
+        self.assertLess(time.monotonic() - begin, 5, "closing waited for a picture")
+
+    def lose(self, lose, reason):
+        """Moves, saves a picture, loses the window, and goes on where it was."""
+        still = self.display.screen((0, 30, 160, 90))
+        self.drag((60, 60), (80, 60), (95, 66))
+        self.wait_until(lambda: self.display.screen((0, 30, 160, 90)) != still, "a drag did not turn the view")
+        time.sleep(1)
+        self.wait_for("64/64")
+        saved = self.save()
+        lose()
+        self.assertEqual(self.window.wait(20), 1)
+        said = [line for line in self.window.stderr.read().splitlines() if line]
+        self.assertEqual(len(said), 1, said)
+        self.assertIn(reason, said[0])
+        self.assertEqual(sorted(file.name for file in self.folder.iterdir() if ".tmp" in file.name), [])
+        self.window.stderr.close()
+        words = shlex.split(said[0].split("go on with: ")[1])
+        self.assertEqual(words[:2], ["sideray", "view"])
+        return saved, [PROGRAM, *words[1:]]
+
+    def go_on(self, saved, words):
+        self.start(words)
+        self.wait_for("64/64")
+        self.assertEqual(png_rows(self.save()), png_rows(saved))
+        self.close()
+
+    def test_a_display_that_goes_away_leaves_a_command_that_goes_on(self):
+        self.open("panes")
+        self.wait_for("64/64")
+        lost = self.display
+
+        def kill():
+            lost.server.send_signal(signal.SIGKILL)
+            lost.server.wait()
+        saved, words = self.lose(kill, "its display is gone")
+        self.display = Display(self.folder, SCREEN)
+        self.client = self.display.client()
+        self.go_on(saved, words)
+
+    def test_a_lost_context_leaves_a_command_that_goes_on(self):
+        if not LOST_CONTEXT:
+            self.skipTest("the library that loses contexts is not built with sanitizers")
+        lost = self.folder / "lost"
+        self.open("panes", LD_PRELOAD=str(LOST_CONTEXT), SIDERAY_LOSE_CONTEXT=str(lost))
+        self.wait_for("64/64")
+        self.go_on(*self.lose(lambda: (lost.touch(), self.client.move(90, 70)), "its OpenGL context was reset"))
+
 
 if __name__ == "__main__":
     missing = [name for name in ("Xvfb", "xdotool") if not shutil.which(name)]
     if missing:
         print(f"viewer_test: {' and '.join(missing)} not found; install xvfb and xdotool")
         sys.exit(1 if os.environ.get("SIDERAY_REQUIRE_CONTEXTS") else 77)
-    unittest.main(argv=sys.argv[:1] + sys.argv[2:])
+    unittest.main(argv=sys.argv[:1] + sys.argv[3:])

@@ -131,6 +131,7 @@ void Drawer::publish(size_t side_index, std::shared_ptr<const Frame> frame) {
   }
   shown_.errors[side_index].clear();
   shown_.frames[side_index] = std::move(frame);
+  ++shown_.pictures;
   wake_();
 }
 
@@ -171,26 +172,26 @@ void Drawer::paint(std::unique_lock<std::mutex>& lock, Painter& painter, size_t 
 
 void Drawer::draw_pictures() {
   {
-    const std::string device = [&] {
-      try {
-        return machine_.description();
-      } catch (const std::exception& failure) {
-        return std::string(failure.what());
-      }
-    }();
+    std::string device;
+    float budget_ms = 0;
+    try {
+      device = machine_.description();
+      budget_ms = machine_.is_software() ? 0 : hardware_budget_ms;
+    } catch (const std::exception& failure) {
+      device = failure.what();
+    }
     const std::lock_guard lock(mutex_);
     shown_.device = device;
+    shown_.budget_ms = budget_ms;
   }
   wake_();
   std::unique_lock lock(mutex_);
   while (!stops_) {
-    const std::optional<size_t> side = next_side();
-    if (!side) {
+    if (compare(lock)) continue;
+    if (const std::optional<size_t> side = next_side())
+      paint(lock, whole_, *side, {view_.width, view_.height, false, false, view_.is_moving ? hardware_budget_ms : 0});
+    else
       changed_.wait(lock);
-      continue;
-    }
-    paint(lock, whole_, *side, {view_.width, view_.height, false, false, view_.is_moving ? hardware_budget_ms : 0});
-    compare(lock);
   }
 }
 
@@ -208,15 +209,15 @@ void Drawer::draw_previews() {
   }
 }
 
-// After 1, 2, 4, ... positions: a map takes about as long as a picture.
-void Drawer::compare(std::unique_lock<std::mutex>& lock) {
+// At once, and then after 1, 2, 4, ... positions: a map takes about as long as a picture. Whether there is a new one.
+bool Drawer::compare(std::unique_lock<std::mutex>& lock) {
   const auto a = shown_.frames[0], b = shown_.frames[1];
-  if (!view_.wants_map || view_.shown_sides < 2 || !a || !b || a->number != view_.number || b->number != view_.number) return;
-  if (a->is_preview || b->is_preview || a->display.empty() || b->display.size() != a->display.size()) return;
+  if (!view_.wants_map || view_.shown_sides < 2 || !a || !b || a->number != view_.number || b->number != view_.number) return false;
+  if (a->is_preview || b->is_preview || a->display.empty() || b->display.size() != a->display.size()) return false;
   const auto is_due = [](const Frame& frame) { return frame.is_done || is_power_of_two(frame.positions); };
-  const bool is_known = shown_.map && shown_.map->number == a->number &&
-                        shown_.map->positions == std::array{a->positions, b->positions};
-  if (is_known || !(is_due(*a) || is_due(*b))) return;
+  const bool has_map = shown_.map && shown_.map->number == a->number;
+  const bool is_known = has_map && shown_.map->positions == std::array{a->positions, b->positions};
+  if (is_known || (has_map && !is_due(*a) && !is_due(*b))) return false;
   ++busy_;
   lock.unlock();
   auto map = std::make_shared<DifferenceMap>();
@@ -226,6 +227,7 @@ void Drawer::compare(std::unique_lock<std::mutex>& lock) {
   --busy_;
   shown_.map = std::move(map);
   wake_();
+  return true;
 }
 
 void Drawer::inspect(std::unique_lock<std::mutex>& lock) {

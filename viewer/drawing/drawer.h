@@ -32,6 +32,8 @@ class Drawer {
     std::shared_ptr<const Inspection> inspection;
     std::array<std::string, sides> errors;  // why a side cannot be drawn; "" = it can
     std::string device;                     // "" until it is known
+    float budget_ms = 0;                    // of moving pictures, where nothing else is set; 0 = smaller ones are drawn
+    uint64_t pictures = 0;                  // that were drawn since the window was opened
   };
   Shown shown() const;
 
@@ -54,7 +56,7 @@ class Drawer {
   Effort preview_effort(Way way);
   void paint(std::unique_lock<std::mutex>& lock, Painter& painter, size_t side, const Effort& effort);
   void publish(size_t side, std::shared_ptr<const Frame> frame);
-  void compare(std::unique_lock<std::mutex>& lock);
+  bool compare(std::unique_lock<std::mutex>& lock);
   void inspect(std::unique_lock<std::mutex>& lock);
 
   Machine& machine_;

@@ -27,6 +27,10 @@ constexpr Mode list[] = {
     {"distance to the first light's shadow", "Rays", SIDERAY_AOV_HIT_DISTANCE, "hitdist.0", Coloring::distance, true},
     {"inexact shadow test", "Rays", SIDERAY_AOV_INEXACT, "mask.inexact", Coloring::count, true},
     {"translucent surfaces, counted", "Rays", SIDERAY_AOV_MASK, "mask.count", Coloring::count, true},
+    {"age of light", "Rays", SIDERAY_AOV_ANSWERS, "answer.lights", Coloring::age, true},
+    {"age of the sky's light", "Rays", SIDERAY_AOV_ANSWERS, "answer.sky", Coloring::age, true},
+    {"age of reflections", "Rays", SIDERAY_AOV_ANSWERS, "answer.reflections", Coloring::age, true},
+    {"age of glass", "Rays", SIDERAY_AOV_ANSWERS, "answer.layers", Coloring::age, true},
     {"layer 0", "Rays", SIDERAY_AOV_LAYERS, "layer0", Coloring::color, true},
     {"layer 1", "Rays", SIDERAY_AOV_LAYERS, "layer1", Coloring::color, true},
     {"layer 2", "Rays", SIDERAY_AOV_LAYERS, "layer2", Coloring::color, true},
@@ -131,6 +135,23 @@ std::vector<uint8_t> counts(const uint32_t* values, size_t pixels) {
   return lab::false_colours(shares_of_most);
 }
 
+// See age_legend; at the age `oldest` the colour is red.
+std::array<uint8_t, 3> color_of_answer(uint32_t answer) {
+  constexpr float oldest = 32;
+  if (answer == 0) return {30, 30, 32};
+  if (answer == 1) return {150, 70, 190};
+  if (answer == 2) return {70, 150, 90};
+  const float age = std::min(std::log2(static_cast<float>(answer) - 2.0f) / std::log2(oldest + 1.0f), 1.0f);
+  return {230, static_cast<uint8_t>(220.0f - 170.0f * age), 60};
+}
+
+std::vector<uint8_t> ages(const uint32_t* answers, size_t pixels) {
+  std::vector<uint8_t> rgb;
+  for (size_t i = 0; i < pixels; ++i)
+    for (const uint8_t c : color_of_answer(answers[i])) rgb.push_back(c);
+  return rgb;
+}
+
 }  // namespace
 
 std::span<const Mode> modes() {
@@ -163,6 +184,7 @@ std::vector<uint8_t> shown(const Picture& picture, const Mode& mode) {
   if (mode.coloring == Coloring::share && values) return shares(values, pixels);
   if (mode.coloring == Coloring::number && numbers) return hashes(numbers, pixels);
   if (mode.coloring == Coloring::count && numbers) return counts(numbers, pixels);
+  if (mode.coloring == Coloring::age && numbers) return ages(numbers, pixels);
   return {};
 }
 

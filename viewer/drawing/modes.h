@@ -8,7 +8,7 @@
 
 namespace sideray::viewer {
 
-enum class Coloring : uint8_t { color, direction, distance, share, number, count, offset };
+enum class Coloring : uint8_t { color, direction, distance, share, number, count, offset, age };
 
 struct Mode {
   const char* name;
@@ -18,6 +18,9 @@ struct Mode {
   Coloring coloring;
   bool is_lit;  // it is found while colours are drawn, and not without
 };
+
+// What the colours of ages mean.
+constexpr const char* age_legend = "green: traced for this picture, yellow to red: earlier, violet: as without rays, black: asks for none";
 
 // The first one is the colours.
 std::span<const Mode> modes();

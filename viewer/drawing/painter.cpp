@@ -47,7 +47,9 @@ Options options_for(const View& view, Way way, const Effort& effort) {
     trial.set(name, value);
     if (sideray_options_check(trial.get(), nullptr) == SIDERAY_OK) options = std::move(trial);
   };
-  if (effort.is_draft) {
+  // A draft has not all that a channel may be of.
+  const Mode& mode = modes()[view.mode];
+  if (effort.is_draft && (mode.aov == 0 || !mode.is_lit)) {
     prefer("quality", "draft");
     prefer("refraction", "on");  // glass that bends light looks like another thing without
   }
@@ -90,27 +92,43 @@ Picture Painter::draw(const View& view, Way way, const Effort& effort, uint32_t 
   const Options options = options_for(view, way, effort);
   sideray_render_options drawn = options.render();
   drawn.aovs = outputs_of(mode);
+  // Without a budget everything is traced for its picture.
+  if (view.inspects && drawn.budget_ms > 0 && way != Way::reference) drawn.aovs |= SIDERAY_AOV_ANSWERS;
   drawn.exposure = view.display.exposure_ev;
   const bool is_reference = way == Way::reference;
   const bool is_colored = mode.aov == 0;
-  drawn.continues = is_colored && !is_reference;
+  drawn.continues = (is_colored || mode.coloring == Coloring::age) && !is_reference;
   if (!is_colored) {
     drawn.taa = 0;
     drawn.without_color = !mode.is_lit && !is_reference;
   }
   if (is_reference) drawn.seed += 0x9e3779b9u * position;
   const sideray_camera camera = is_reference && is_colored ? moved_within_pixel(view.camera, position, effort) : view.camera;
-  Renderer& renderer = renderer_for(view, way, needs_rasterizer(options));
-  const Scene& scene =
-      view.scene->at(view.time_s, options["ray-traced"].empty() ? "auto" : options["ray-traced"], view.camera, effort.width, effort.height);
+  const Scene& scene = view.scene->at(view.time_s, options["ray-traced"], view.camera, effort.width, effort.height);
+  return render(renderer_for(view, way, needs_rasterizer(options)), scene, camera, drawn);
+}
+
+Picture Painter::render(Renderer& renderer, const Scene& scene, const sideray_camera& camera,
+                        const sideray_render_options& options) {
   const auto draws_with = [&](Renderer* now) {
     const std::lock_guard lock(mutex_);
     drawing_ = now;
   };
   draws_with(&renderer);
-  Result<Picture> picture = renderer.render(scene, camera, drawn);
+  Result<Picture> picture = renderer.render(scene, camera, options);
   draws_with(nullptr);
   return std::move(picture).value();
+}
+
+// A renderer whose OpenGL failed, as where its context is lost, is made anew once.
+Picture Painter::draw_anyhow(const View& view, Way way, const Effort& effort, uint32_t position) {
+  try {
+    return draw(view, way, effort, position);
+  } catch (const Error& failure) {
+    if (failure.status != SIDERAY_GL_FAILED) throw;
+    drawings_[static_cast<size_t>(way)].renderer.reset();
+    return draw(view, way, effort, position);
+  }
 }
 
 void Painter::cancel() {
@@ -142,7 +160,7 @@ std::shared_ptr<Frame> Painter::paint(const View& view, Way way, const Effort& e
     for (std::vector<double>& sum : refined_.sums) sum.resize(size_t{effort.width} * effort.height);
   }
   auto frame = std::make_shared<Frame>();
-  auto picture = std::make_shared<Picture>(draw(view, way, effort, refines ? refined_.positions : 0));
+  auto picture = std::make_shared<Picture>(draw_anyhow(view, way, effort, refines ? refined_.positions : 0));
   frame->number = view.number;
   frame->way = way;
   frame->width = effort.width, frame->height = effort.height;

@@ -38,7 +38,9 @@ class Painter {
   };
 
   Renderer& renderer_for(const View& view, Way way, bool needs_rasterizer);
+  Picture draw_anyhow(const View& view, Way way, const Effort& effort, uint32_t position);
   Picture draw(const View& view, Way way, const Effort& effort, uint32_t position);
+  Picture render(Renderer& renderer, const Scene& scene, const sideray_camera& camera, const sideray_render_options& options);
   void add(const Picture& picture, Refined& refined) const;
   void develop(const View& view, const scenes::Image& image, Frame& frame) const;
 

@@ -35,6 +35,7 @@ struct View {
   size_t shown_sides = 1;  // 1: A alone
   bool is_moving = false;  // another view is about to follow
   bool wants_map = false;  // how A and B differ
+  bool inspects = false;   // what the pixels of pictures with a budget show is wanted too
   std::optional<Pixel> inspected;
 };
 

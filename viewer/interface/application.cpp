@@ -57,7 +57,7 @@ Application::Application(const Arguments& arguments, const std::string& program)
     : arguments_(arguments),
       window_(window_size(arguments)[0], window_size(arguments)[1],
               {[this](int key, bool with_control) { press(key, with_control); },
-               [this](const std::vector<std::string>& paths) { drop(paths); }}),
+               [this](const std::vector<std::string>& paths) { drop(paths); }, [this] { end_without_display(); }}),
       machine_(arguments),
       loader_(Window::wake),
       chart_(program) {
@@ -75,14 +75,27 @@ void Application::start(const Arguments& arguments) {
 }
 
 void Application::drop(const std::vector<std::string>& paths) {
+  SceneSource source = wanted_source();
   for (const std::string& path : paths) {
-    SceneSource source = state_.view.scene ? state_.view.scene->source() : source_of(arguments_);
     if (is_environment(path))
       source.surroundings.name = path;
     else
       source.scene = path, source.animation.clear(), source.variant.clear();
-    loader_.load(source);
   }
+  loader_.load(source);
+}
+
+// What is shown, or is about to be.
+SceneSource Application::wanted_source() const {
+  if (loader_.is_loading()) return loader_.latest();
+  return state_.view.scene ? state_.view.scene->source() : source_of(arguments_);
+}
+
+void Application::take_variant() {
+  if (!state_.wanted_variant) return;
+  SceneSource source = wanted_source();
+  source.variant = *std::exchange(state_.wanted_variant, std::nullopt);
+  loader_.load(source);
 }
 
 // A scene that cannot be read leaves the one that is shown.
@@ -115,6 +128,7 @@ void Application::take_scene() {
 
 void Application::press(int key, bool with_control) {
   if (with_control) {
+    command_key_ = key;
     if (key == GLFW_KEY_Q) window_.close();
     if (key == GLFW_KEY_S) grant(Wish::save_picture, drawer_->shown());
     if (key == GLFW_KEY_C) grant(Wish::copy_command, drawer_->shown());
@@ -134,17 +148,22 @@ void Application::press(int key, bool with_control) {
   }
 }
 
+// A key of a command, such as Ctrl+S, does not fly where Control is released first.
+bool Application::flies(int key) const {
+  return key != command_key_ && window_.is_down(key);
+}
+
 bool Application::is_flying() const {
   if (ImGui::GetIO().WantTextInput || !state_.view.scene) return false;
   if (window_.is_down(GLFW_KEY_LEFT_CONTROL) || window_.is_down(GLFW_KEY_RIGHT_CONTROL)) return false;
   constexpr int keys[] = {GLFW_KEY_W, GLFW_KEY_A, GLFW_KEY_S, GLFW_KEY_D, GLFW_KEY_Q, GLFW_KEY_E};
-  return std::any_of(std::begin(keys), std::end(keys), [&](int key) { return window_.is_down(key); });
+  return std::any_of(std::begin(keys), std::end(keys), [&](int key) { return flies(key); });
 }
 
 void Application::fly(double seconds) {
   if (!is_flying()) return;
   const auto along = [&](int forward, int back) {
-    return static_cast<double>(window_.is_down(forward)) - static_cast<double>(window_.is_down(back));
+    return static_cast<double>(flies(forward)) - static_cast<double>(flies(back));
   };
   const glm::dvec3 direction(along(GLFW_KEY_D, GLFW_KEY_A), along(GLFW_KEY_E, GLFW_KEY_Q), along(GLFW_KEY_W, GLFW_KEY_S));
   // A second for the way to what is in the middle, which is neither everything nor a speck of it.
@@ -188,6 +207,8 @@ void Application::follow_camera() {
 }
 
 void Application::update() {
+  if (command_key_ > 0 && !window_.is_down(command_key_)) command_key_ = 0;
+  take_variant();
   take_scene();
   if (const std::string ended = chart_.poll(); !ended.empty()) state_.say(ended);
   const double now = glfwGetTime();
@@ -205,6 +226,7 @@ void Application::update() {
   state_.view.shown_sides = state_.comparison == Comparison::only_a && !state_.blinks ? 1 : sides;
   state_.view.wants_map = state_.comparison == Comparison::map;
   state_.view.is_moving = state_.moved_at >= 0 && now - state_.moved_at < rest_s;
+  state_.view.inspects = state_.inspects;
   if (!state_.inspects) state_.view.inspected.reset();
   if (state_.view.scene) follow_camera();
   drawer_->show(state_.view);
@@ -281,10 +303,36 @@ std::string Application::title(const Drawer::Shown& shown) const {
     title += fmt::format(" - {} {}/{}", name_of(state_.view.ways[i]), is_current ? frame->positions : 0,
                          positions_of(state_.view.ways[i]));
   }
+  if (const auto& frame = shown.frames[0])
+    title += fmt::format(" - picture {}: {}x{}, {:.1f} ms", shown.pictures, frame->width, frame->height, frame->ms);
   return title + " - Sideray";
 }
 
+// What was shown, as a command that shows it again.
+std::string Application::way_back() const {
+  if (!state_.view.scene) return "start it again";
+  std::vector<std::string> words = words_of(state_.view, Way::chosen, state_.navigation, arguments_);
+  words.insert(words.begin(), "view");
+  return "go on with: " + line_of(words);
+}
+
+// Xlib gives no way back into the program.
+void Application::end_without_display() {
+  fmt::print(stderr, "sideray: window: its display is gone; {}\n", way_back());
+  chart_.stop();
+  std::_Exit(EXIT_FAILURE);
+}
+
 void Application::run() {
+  try {
+    loop();
+  } catch (const ContextLost& lost) {
+    scenes::refuse("{}; {}", lost.what(), way_back());
+  }
+  window_.hide();
+}
+
+void Application::loop() {
   int frames_to_draw = 3;  // Dear ImGui takes a few to answer
   while (!window_.is_closing()) {
     if (window_.wait(frames_to_draw > 1 ? 0 : seconds_to_wait())) frames_to_draw = 3;
@@ -299,7 +347,6 @@ void Application::run() {
     draw(shown);
     --frames_to_draw;
   }
-  window_.hide();
 }
 
 bool Application::ends_within(double seconds) {

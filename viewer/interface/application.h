@@ -17,7 +17,7 @@ class Application {
  public:
   // `program`: sideray, for charts. Throws Error where there is no window to be had.
   Application(const Arguments& arguments, const std::string& program);
-  // Until the window is closed.
+  // Until the window is closed. Throws Error where its OpenGL context is lost.
   void run();
   // Whether what is being drawn and read ends in that time; a picture cannot be stopped in the middle.
   bool ends_within(double seconds);
@@ -26,6 +26,8 @@ class Application {
   void start(const Arguments& arguments);
   void press(int key, bool with_control);
   void drop(const std::vector<std::string>& paths);
+  SceneSource wanted_source() const;
+  void take_variant();
   void take_scene();
   void fly(double seconds);
   void play();
@@ -35,7 +37,11 @@ class Application {
   void grant(Wish wish, const Drawer::Shown& shown);
   void save_picture(const Drawer::Shown& shown);
   void watch();
+  void loop();
+  std::string way_back() const;
+  [[noreturn]] void end_without_display();
   double seconds_to_wait() const;
+  bool flies(int key) const;
   bool is_flying() const;
   std::string title(const Drawer::Shown& shown) const;
 
@@ -51,6 +57,7 @@ class Application {
   double last_loop_ = 0, watched_at_ = 0, blinked_at_ = 0, played_at_ = 0;
   float width_ = 0, height_ = 0;  // of the pictures, in units of the window
   bool is_first_scene_ = true;
+  int command_key_ = 0;  // that is down since it was pressed with Control; 0 = none
 };
 
 }  // namespace sideray::viewer

@@ -48,8 +48,9 @@ std::vector<std::string> words_of(const View& view, Way way, const Navigation& n
   words.insert(words.end(), {"--size", fmt::format("{}x{}", view.width, view.height)});
   if (view.time_s > 0) words.insert(words.end(), {"--time", fmt::format("{}", view.time_s)});
   if (source.surroundings.name != "sky") words.insert(words.end(), {"--env", source.surroundings.name});
-  for (const char* name :
-       {"env-scale", "env-rotate", "animation", "variant", "default-light", "gl", "device", "threads"})
+  if (!source.animation.empty()) words.insert(words.end(), {"--animation", source.animation});
+  if (!source.variant.empty()) words.insert(words.end(), {"--variant", source.variant});
+  for (const char* name : {"env-scale", "env-rotate", "default-light", "gl", "device", "threads"})
     if (const std::string text = of_window.text(name); !text.empty()) words.insert(words.end(), {std::string("--") + name, text});
   add_options(words, way, view.options);
   return words;

@@ -19,7 +19,8 @@ class Loader {
   // A scene that is still being read is read to its end, and then left.
   void load(const SceneSource& source);
   bool is_loading() const { return loading_.valid(); }
-  const SceneSource& source() const { return source_; }
+  // What was asked for last.
+  const SceneSource& latest() const { return next_ ? *next_ : source_; }
 
   struct Loaded {
     std::shared_ptr<SceneFile> scene;  // null: see error

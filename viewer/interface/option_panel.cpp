@@ -45,7 +45,6 @@ std::string reason_of(const sideray_option& row, const Options& options, const s
 }
 
 void explain(const sideray_option& row, const std::string& reason) {
-  if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
   ImGui::BeginTooltip();
   ImGui::PushTextWrapPos(360);
   ImGui::Text("--%s", row.name);
@@ -109,12 +108,13 @@ std::optional<std::string> OptionPanel::draw_row(const sideray_option& row, cons
   const bool is_list = row.type == SIDERAY_OPTION_CHOICE || row.type == SIDERAY_OPTION_SWITCH || row.type == SIDERAY_OPTION_FLAG;
   std::string value = is_list ? choose(row, options) : write(row, options);
   ImGui::EndGroup();
-  explain(row, is_idle ? reason->second : "");
+  const bool is_hovered = ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled);
   if (options.is_set(row.name)) {
     ImGui::SameLine();
     if (ImGui::SmallButton("default")) value = "";
   }
   ImGui::EndDisabled();
+  if (is_hovered) explain(row, is_idle ? reason->second : "");  // not as pale as the option itself
   ImGui::PopID();
   return value == unchanged ? std::nullopt : std::optional(value);
 }
@@ -123,10 +123,12 @@ bool OptionPanel::draw(Options& options, const sideray_scene_facts& facts, std::
   find_reasons(options, facts);
   std::optional<std::pair<std::string, std::string>> change;
   std::vector<std::string> groups{"Most used"};
-  for (size_t i = 0; i < sideray_option_count(); ++i) {
-    const char* group = sideray_option_at(i)->group;
-    if (std::find(groups.begin(), groups.end(), group) == groups.end()) groups.emplace_back(group);
-  }
+  for (const int32_t diagnostic : {0, 1})  // these last
+    for (size_t i = 0; i < sideray_option_count(); ++i) {
+      const sideray_option& row = *sideray_option_at(i);
+      if ((row.diagnostic != 0) == (diagnostic != 0) && std::find(groups.begin(), groups.end(), row.group) == groups.end())
+        groups.emplace_back(row.group);
+    }
   for (const std::string& group : groups) {
     const bool is_first = group == groups.front();
     bool is_open = is_first, has_title = is_first;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "viewer/drawing/modes.h"
@@ -24,7 +23,7 @@ bool choose_way(const char* label, Way& way) {
 
 bool choose_mode(size_t& mode) {
   bool is_changed = false;
-  if (!ImGui::BeginCombo("shows", modes()[mode].name)) return false;
+  if (!ImGui::BeginCombo("shows", modes()[mode].name, ImGuiComboFlags_HeightLarge)) return false;
   const char* group = "";
   for (size_t i = 0; i < modes().size(); ++i) {
     if (std::string(group) != modes()[i].group) ImGui::TextDisabled("%s", group = modes()[i].group);
@@ -36,13 +35,6 @@ bool choose_mode(size_t& mode) {
 
 double share(uint64_t part, uint64_t whole) {
   return whole == 0 ? 0.0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
-}
-
-// The value of a floating-point channel there; NaN where there is none.
-double value_at(const Frame& frame, const char* channel, Pixel pixel) {
-  const float* values = frame.picture ? floats_of(*frame.picture, channel) : nullptr;
-  const auto column = static_cast<size_t>(pixel.x), row = static_cast<size_t>(pixel.y);
-  return values && column < frame.width && row < frame.height ? double{values[row * frame.width + column]} : double{NAN};
 }
 
 }  // namespace
@@ -61,6 +53,8 @@ void Panel::draw_comparison(State& state) {
   ImGui::Checkbox("blink", &state.blinks);
   ImGui::SetNextItemWidth(210);
   if (choose_mode(state.view.mode)) state.touch();
+  ImGui::SameLine();
+  ImGui::Checkbox("inspect", &state.inspects);
 }
 
 void Panel::draw_camera(State& state) {
@@ -76,6 +70,7 @@ void Panel::draw_camera(State& state) {
     if (ImGui::Selectable("all of the scene")) state.navigation.follow(std::nullopt), state.touch();
     ImGui::EndCombo();
   }
+  draw_variants(state);
   if (!scene.moves()) return;
   if (ImGui::Button(state.plays ? "pause" : "play")) state.plays = !state.plays;
   ImGui::SameLine();
@@ -87,6 +82,19 @@ void Panel::draw_camera(State& state) {
     state.moved_at = ImGui::GetTime();
     state.touch();
   }
+}
+
+// Of the materials (KHR_materials_variants).
+void Panel::draw_variants(State& state) {
+  const std::vector<std::string>& variants = state.view.scene->content().variants;
+  if (variants.empty()) return;
+  const std::string& now = state.view.scene->source().variant;
+  ImGui::SetNextItemWidth(210);
+  if (!ImGui::BeginCombo("variant", now.empty() ? "as in the file" : now.c_str())) return;
+  if (ImGui::Selectable("as in the file", now.empty())) state.wanted_variant = "";
+  for (const std::string& variant : variants)
+    if (ImGui::Selectable(variant.c_str(), variant == now)) state.wanted_variant = variant;
+  ImGui::EndCombo();
 }
 
 void Panel::draw_display(State& state) {
@@ -104,10 +112,11 @@ void Panel::draw_display(State& state) {
 void Panel::draw_times(const State& state, const Drawer::Shown& shown) {
   if (const auto& frame = shown.frames[0]) {
     const sideray_render_stats& s = frame->stats;
-    ImGui::Text("picture %llu: %ux%u, %.1f ms", static_cast<unsigned long long>(graph_.count()), frame->width, frame->height,
+    ImGui::Text("picture %llu: %ux%u, %.1f ms", static_cast<unsigned long long>(shown.pictures), frame->width, frame->height,
                 frame->ms);
-    const std::string budget = state.view.options["budget"];
-    ImGui::TextColored(pale, "budget of rays: %s", budget.empty() ? "the window's own" : (budget + " ms while moving").c_str());
+    std::string budget = state.view.options["budget"];
+    if (budget.empty() && shown.budget_ms > 0) budget = fmt::format("{:.0f}", shown.budget_ms);
+    ImGui::TextColored(pale, "budget while moving: %s", budget.empty() ? "smaller pictures" : (budget + " ms of rays").c_str());
     if (s.pixels_late + s.mask_pixels_late + s.pixels_older + s.mask_pixels_older > 0) {
       ImGui::Text("pixels with no answer: %.1f %% glass, %.1f %% light", share(s.pixels_late, s.pixels_masked),
                   share(s.mask_pixels_late, s.pixels_total));
@@ -116,27 +125,6 @@ void Panel::draw_times(const State& state, const Drawer::Shown& shown) {
     }
   }
   graph_.draw();
-}
-
-void Panel::draw_inspection(State& state, const Drawer::Shown& shown) {
-  ImGui::Checkbox("inspect the pixel under the mouse (I)", &state.inspects);
-  if (!state.inspects) return;
-  const Inspection* found = shown.inspection.get();
-  if (!found || !state.view.inspected) return ImGui::TextColored(pale, "move the mouse over the picture");
-  ImGui::Text("pixel %u, %u", found->pixel.x, found->pixel.y);
-  for (size_t i = 0; i < state.view.shown_sides; ++i) {
-    const Frame* frame = shown.frames[i].get();
-    if (!frame || frame->is_preview || frame->number != found->number || state.view.mode != 0) continue;
-    ImGui::Text("%s: radiance %.3f %.3f %.3f in the last position", i == 0 ? "A" : "B", value_at(*frame, "R", found->pixel),
-                value_at(*frame, "G", found->pixel), value_at(*frame, "B", found->pixel));
-  }
-  if (found->surfaces.empty()) ImGui::TextColored(pale, "no surface: the surroundings");
-  for (size_t i = 0; i < found->surfaces.size(); ++i) {
-    const Surface& s = found->surfaces[i];
-    ImGui::Text("%zu  %s", i, s.object.c_str());
-    ImGui::TextColored(pale, "    at %.4g, object %u, triangle %u", s.distance, s.surface_id, s.primitive);
-    ImGui::TextColored(pale, "    %s, %s", s.material.empty() ? "material without a name" : s.material.c_str(), s.kind.c_str());
-  }
 }
 
 Wish Panel::draw(State& state, const Drawer::Shown& shown, bool is_loading, bool is_charting, float left, float height) {
@@ -164,7 +152,6 @@ Wish Panel::draw(State& state, const Drawer::Shown& shown, bool is_loading, bool
     if (ImGui::TreeNodeEx("Display", ImGuiTreeNodeFlags_NoTreePushOnOpen | ImGuiTreeNodeFlags_Framed)) draw_display(state);
     if (ImGui::TreeNodeEx("Times", ImGuiTreeNodeFlags_NoTreePushOnOpen | ImGuiTreeNodeFlags_Framed | ImGuiTreeNodeFlags_DefaultOpen))
       draw_times(state, shown);
-    draw_inspection(state, shown);
     ImGui::Separator();
     if (ImGui::Button("copy as command line")) wish = Wish::copy_command;
     ImGui::SameLine();

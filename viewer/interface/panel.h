@@ -19,9 +19,9 @@ class Panel {
  private:
   void draw_comparison(State& state);
   void draw_camera(State& state);
+  void draw_variants(State& state);
   void draw_display(State& state);
   void draw_times(const State& state, const Drawer::Shown& shown);
-  void draw_inspection(State& state, const Drawer::Shown& shown);
 
   OptionPanel options_;
   StageGraph graph_;

@@ -6,11 +6,12 @@
 #include <cmath>
 
 #include "viewer/drawing/modes.h"
+#include "viewer/interface/inspection_text.h"
 
 namespace sideray::viewer {
 namespace {
 
-constexpr ImU32 white = IM_COL32(255, 255, 255, 255), shade = IM_COL32(0, 0, 0, 150), red = IM_COL32(255, 150, 130, 255);
+constexpr ImU32 white = IM_COL32(255, 255, 255, 255), shade = IM_COL32(0, 0, 0, 170), red = IM_COL32(255, 150, 130, 255);
 constexpr float margin = 8;
 
 void draw_label(ImVec2 place, const std::string& text, ImU32 color, float width) {
@@ -20,8 +21,21 @@ void draw_label(ImVec2 place, const std::string& text, ImU32 color, float width)
   list.AddText(ImGui::GetFont(), ImGui::GetFontSize(), place, color, text.c_str(), nullptr, width);
 }
 
+// Below, at the side where the mouse is not.
+void draw_inspection(const State& state, const Drawer::Shown& shown, ImVec2 size) {
+  if (!state.inspects || !state.view.scene) return;
+  const std::string text = inspection_text(state, shown);
+  const float most = std::max(0.6f * size.x, 200.0f);
+  const ImVec2 extent = ImGui::CalcTextSize(text.c_str(), nullptr, false, most);
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  const bool is_left = mouse.x > extent.x + 4 * margin || mouse.y < size.y - extent.y - 4 * margin;
+  const float left = is_left ? margin : std::max(size.x - extent.x - margin, margin);
+  draw_label({left, std::max(size.y - extent.y - margin, margin)}, text, white, most);
+}
+
 std::string label_of(const State& state, const Frame& frame, size_t side) {
   const std::string name = fmt::format("{}: {}", side == 0 ? "A" : "B", name_of(frame.way));
+  if (modes()[state.view.mode].coloring == Coloring::age) return fmt::format("{}   {}", name, age_legend);
   if (state.view.mode != 0) return name;
   if (frame.is_preview || frame.number != state.view.number)
     return fmt::format("{}   {}x{}, {:.0f} ms", name, frame.width, frame.height, frame.ms);
@@ -64,7 +78,9 @@ void PictureArea::draw_side(const State& state, const Drawer::Shown& shown, size
   }
   list.AddImage(sides_[side].texture.id(), {left, 0}, {right, size.y}, {begin, 0}, {end, 1});
   list.PushClipRect({left, 0}, {right, size.y});
-  draw_label({left + margin, margin}, label_of(state, *frame, side), white, 0);
+  const bool has_legend = modes()[state.view.mode].coloring == Coloring::age;
+  const float width = has_legend ? std::max(right - left - 2 * margin, 60.0f) : 0;
+  draw_label({left + margin, margin}, label_of(state, *frame, side), white, width);
   list.PopClipRect();
 }
 
@@ -136,7 +152,8 @@ void PictureArea::draw(State& state, const Drawer::Shown& shown, ImVec2 size, fl
     draw_side(state, shown, is_b ? 1 : 0, 0, 1, size);
   }
   if (!state.is_panel_seen && !state.message.empty() && size.y > 60)
-    draw_label({margin, size.y - 44}, state.message, state.is_error ? red : white, std::max(size.x - 2 * margin, 60.0f));
+    draw_label({margin, 30}, state.message, state.is_error ? red : white, std::max(size.x - 2 * margin, 60.0f));
+  draw_inspection(state, shown, size);
   control(state, shown, size, pixels_per_unit);
 }
 

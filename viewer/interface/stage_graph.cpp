@@ -23,7 +23,6 @@ double ms_of(const Frame& frame, sideray_stage stage) {
 void StageGraph::add(size_t side, const std::shared_ptr<const Frame>& frame) {
   if (!frame || frame == last_[side]) return;
   last_[side] = frame;
-  ++count_;
   Bar bar;
   bar.total = std::max(frame->ms, ms_of(*frame, SIDERAY_STAGE_TOTAL_FRAME));
   const double trace = ms_of(*frame, SIDERAY_STAGE_TRACE), light = ms_of(*frame, SIDERAY_STAGE_TRACE_SHADOW);

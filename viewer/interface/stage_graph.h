@@ -13,7 +13,6 @@ class StageGraph {
   // The newest picture of a side; one that is there already is not added again.
   void add(size_t side, const std::shared_ptr<const Frame>& frame);
   void draw() const;
-  uint64_t count() const { return count_; }
 
  private:
   struct Bar {
@@ -22,7 +21,6 @@ class StageGraph {
   };
   std::deque<Bar> bars_;
   std::array<std::shared_ptr<const Frame>, sides> last_;
-  uint64_t count_ = 0;
 };
 
 }  // namespace sideray::viewer

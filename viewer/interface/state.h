@@ -20,6 +20,7 @@ struct State {
   bool has_panel = true, inspects = false, plays = false;
   bool is_panel_seen = true;
   double moved_at = -1;  // the time at which the camera was moved
+  std::optional<std::string> wanted_variant;  // another one than is shown
   std::string message;   // what happened last
   bool is_error = false;
 

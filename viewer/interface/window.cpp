@@ -4,8 +4,10 @@
 #include <GL/gl.h>
 #include <GLFW/glfw3.h>
 #include <imgui_impl_glfw.h>
+#include <dlfcn.h>
 #include <imgui_impl_opengl3.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <type_traits>
 
@@ -24,6 +26,7 @@ struct Functions {
   decltype(&glViewport) viewport;
   decltype(&glClearColor) clear_color;
   decltype(&glClear) clear;
+  GLenum (*reset_status)();  // null: the driver does not tell
 };
 Functions gl;
 
@@ -42,6 +45,50 @@ void find_functions() {
   find(gl.viewport, "glViewport");
   find(gl.clear_color, "glClearColor");
   find(gl.clear, "glClear");
+  const bool tells_resets = glfwExtensionSupported("GL_KHR_robustness") || glfwExtensionSupported("GL_ARB_robustness");
+  for (const char* name : {"glGetGraphicsResetStatus", "glGetGraphicsResetStatusARB"})
+    if (tells_resets && !gl.reset_status)
+      gl.reset_status = reinterpret_cast<decltype(gl.reset_status)>(glfwGetProcAddress(name));
+}
+
+// Words for a status of GL_ARB_robustness.
+const char* cause_of(GLenum status) {
+  switch (status) {
+    case 0x8253: return "by what it drew";
+    case 0x8254: return "by another program";
+    default: return "by the driver";
+  }
+}
+
+void require_context() {
+  if (const GLenum status = gl.reset_status ? gl.reset_status() : GL_NO_ERROR; status != GL_NO_ERROR)
+    throw ContextLost(std::string("window: its OpenGL context was reset ") + cause_of(status));
+}
+
+std::function<void()> on_display_gone;
+
+int end_without_display(void*) {
+  on_display_gone();
+  std::_Exit(EXIT_FAILURE);
+}
+
+int go_on(void*, void*) {
+  return 0;
+}
+
+// Xlib's own handlers end the program in the middle of its threads: where the display is gone, and where a request fails, as
+// GLFW's do that answer the window from which a file was dropped after that is closed. The library is the one that GLFW has
+// opened; elsewhere than on X11 there is none.
+void handle_x_errors() {
+  void* const xlib = ::dlopen("libX11.so.6", RTLD_LAZY | RTLD_NOLOAD);
+  if (!xlib) return;
+  const auto set = [&]<typename... Arguments>(const char* name, int (*handler)(Arguments...)) {
+    using Handler = int (*)(Arguments...);
+    if (void* const function = ::dlsym(xlib, name)) reinterpret_cast<Handler (*)(Handler)>(function)(handler);
+  };
+  set("XSetIOErrorHandler", end_without_display);
+  set("XSetErrorHandler", go_on);
+  ::dlclose(xlib);
 }
 
 // What GLFW said last, for a message of ours.
@@ -74,12 +121,15 @@ Window::Window(uint32_t width, uint32_t height, WindowEvents events) : events_(s
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_LOSE_CONTEXT_ON_RESET);
   window_ = glfwCreateWindow(static_cast<int>(width), static_cast<int>(height), "Sideray", nullptr, nullptr);
   if (!window_) {
     const std::string why = reason();
     glfwTerminate();
     scenes::refuse("window: no OpenGL 3.3: {}; install a driver (libgl1-mesa-dri), or use sideray render", why);
   }
+  on_display_gone = events_.display_gone;
+  handle_x_errors();
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(1);
   find_functions();
@@ -171,6 +221,7 @@ void Window::draw(const std::function<void()>& content) {
   gl.clear(GL_COLOR_BUFFER_BIT);
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   glfwSwapBuffers(window_);
+  require_context();
 }
 
 void Texture::upload(uint32_t width, uint32_t height, const std::vector<uint8_t>& rgb) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <imgui.h>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,12 @@ namespace sideray::viewer {
 struct WindowEvents {
   std::function<void(int key, bool with_control)> key;  // pressed, where no text is being written
   std::function<void(const std::vector<std::string>& paths)> drop;
+  std::function<void()> display_gone;  // does not return
+};
+
+// The window's OpenGL is gone, and all that was in it.
+struct ContextLost : std::runtime_error {
+  using std::runtime_error::runtime_error;
 };
 
 class Window {
@@ -37,6 +44,7 @@ class Window {
   void copy_text(const std::string& text);
 
   // Calls `content` between the beginning and the end of a frame of Dear ImGui, and shows it. A minimised window draws nothing.
+  // Throws ContextLost.
   void draw(const std::function<void()>& content);
   float pixels_per_unit() const;
 

@@ -47,10 +47,11 @@ sideray_camera SceneFile::camera(size_t index, double time_s, float aspect) {
   return content_.cameras[index].camera;
 }
 
-const Scene& SceneFile::at(double time_s, const std::string& selection, const sideray_camera& camera, uint32_t width,
+const Scene& SceneFile::at(double time_s, const std::string& selected, const sideray_camera& camera, uint32_t width,
                            uint32_t height) {
   const std::lock_guard lock(mutex_);
   move_to(time_s);
+  const std::string selection = selected.empty() ? "auto" : selected;
   if (selection != selection_) {
     std::vector<bool> traced = scenes::select_ray_traced(content_, selection, camera, width, height);
     if (traced != traced_) scenes::set_traced(scene_, content_, traced);
@@ -58,6 +59,11 @@ const Scene& SceneFile::at(double time_s, const std::string& selection, const si
     selection_ = selection;
   }
   return scene_;
+}
+
+bool SceneFile::is_traced(size_t object) {
+  const std::lock_guard lock(mutex_);
+  return object < traced_.size() && traced_[object];
 }
 
 sideray_scene_facts SceneFile::facts() {

@@ -38,9 +38,11 @@ class SceneFile {
   sideray_camera camera(size_t index, double time_s, float aspect);
   sideray_camera framing(float aspect);
 
-  // The scene at that time. `selection` is the option ray-traced; `camera` and size are what "largest:K" of it is of. Throws Error
-  // where the selection does not fit.
-  const Scene& at(double time_s, const std::string& selection, const sideray_camera& camera, uint32_t width, uint32_t height);
+  // The scene at that time. `selected` is the option ray-traced, "" = auto; `camera` and size are what "largest:K" of it is
+  // of. Throws Error where the selection does not fit.
+  const Scene& at(double time_s, const std::string& selected, const sideray_camera& camera, uint32_t width, uint32_t height);
+  // Whether the object was selected when the scene was last drawn.
+  bool is_traced(size_t object);
   sideray_scene_facts facts();
 
   // Whether the file of the scene or of its surroundings is another one than was read, or than at the call before: each change

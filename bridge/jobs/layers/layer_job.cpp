@@ -107,6 +107,7 @@ rt::Counters LayerJob::trace_cache(const JobFrame& frame, const TraceInput& inpu
     request.still = &still_;
   else
     still_.forget();
+  looks_back_ = rt::takes_older(request);
   const rt::Counters counters = input.tracer.trace_cache(request, cache_);
   if (input.cancelled) still_.forget();
   return counters;

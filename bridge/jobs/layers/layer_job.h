@@ -35,6 +35,8 @@ class LayerJob final : public Job {
   const rt::LayerCache& cache() const { return cache_; }
   const rt::LayerTruth& truth() const { return truth_; }
   const rt::CompositeImage& composite() const { return composite_; }
+  // As MaskJob::answers(), of the cache's oldest layer.
+  std::vector<uint8_t> answers() const { return looks_back_ ? older_.answers() : std::vector<uint8_t>(); }
   const sideray_layer_outputs& outputs() const { return outputs_; }  // ticket 0: none yet
   const Lookup& lookup() const { return lookup_; }
 
@@ -53,6 +55,7 @@ class LayerJob final : public Job {
   CacheTextures cache_textures_;
   CompositeTextures composite_textures_;
   bool caches_ = true;  // the last upload was into the cache's textures
+  bool looks_back_ = false;  // the cache may hold history
   bool float_ids_ = false;  // in the textures
   sideray_layer_outputs outputs_{};
   Lookup lookup_;

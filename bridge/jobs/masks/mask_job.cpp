@@ -88,6 +88,7 @@ rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
   request.work = input.work;
   request.older = &older_;
   request.wanted = in.inspection.wanted_light.get();
+  looks_back_ = rt::has_older(request);
   const rt::Counters counters = input.tracer.trace_masks(request, image_);
   shows_ = !of_position || (older_.is_complete() && !was_whole);
   if (!input.cancelled) return counters;

@@ -27,6 +27,10 @@ class MaskJob final : public Job {
   void abandon() override;
 
   const rt::OcclusionMasks& image() const { return image_; }
+  // OlderMasks::answers() of the last frame; empty: all masks were traced in it.
+  std::vector<uint8_t> answers(rt::OlderMasks::Part part) const {
+    return looks_back_ ? older_.answers(part) : std::vector<uint8_t>();
+  }
   const sideray_mask_outputs& outputs() const { return outputs_; }  // ticket 0: none yet
   // Error bound of a depth d of outputs().depth_texture: x * d * d + y.
   glm::vec2 depth_error(const rt::FrameCamera& camera) const;
@@ -42,6 +46,7 @@ class MaskJob final : public Job {
   sideray_mask_outputs outputs_{};
   float depth_step_ = 0;  // of the outputs
   bool shows_ = true;     // the image is to be uploaded
+  bool looks_back_ = false;  // the last frame may show history
   bool lacks_some_ = false;  // some pixels of what was uploaded have no answer
 };
 

@@ -27,6 +27,7 @@ rt::Counters ReflectionJob::trace(const JobFrame& frame, const TraceInput& input
   request.error = frame.inputs.layers ? frame.inputs.layers->ray_reuse : 0.0f;
   request.light_bounces = frame.inputs.irradiance.has_value();
   request.older = &history_;
+  looks_back_ = rt::is_bounded(request.work);
   return fill(input, [&] { return input.tracer.trace_reflections(request, image_); });
 }
 

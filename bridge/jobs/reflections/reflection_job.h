@@ -16,6 +16,8 @@ class ReflectionJob final : public LightJob<sideray_reflection_outputs, rt::Olde
   rt::Counters trace(const JobFrame& frame, const TraceInput& input) override;
 
   const rt::ReflectionImage& image() const { return image_; }
+  // As MaskJob::answers().
+  std::vector<uint8_t> answers() const { return looks_back_ ? history_.answers() : std::vector<uint8_t>(); }
 
  private:
   LightImage light() const override {
@@ -23,6 +25,7 @@ class ReflectionJob final : public LightJob<sideray_reflection_outputs, rt::Olde
   }
 
   rt::ReflectionImage image_;
+  bool looks_back_ = false;  // the last frame may show history
 };
 
 }  // namespace sideray::bridge
