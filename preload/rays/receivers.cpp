@@ -24,6 +24,7 @@ bool is_same_place(const FixedLight& a, const FixedLight& b) {
 void Receivers::begin_frame() {
   draws_.clear();
   sun_.reset();
+  farthest_origin_ = 0;
   names_.begin_frame();
 }
 
@@ -41,6 +42,7 @@ bool Receivers::add(const DrawState& state, std::shared_ptr<const Geometry> geom
     draw.lights = state.lights;
   }
   draw.modelview = state.modelview;
+  farthest_origin_ = std::max(farthest_origin_, std::hypot(state.modelview[12], state.modelview[13], state.modelview[14]));
   draw.material = state.material;
   draw.fog = state.fog;
   draw.colored = state.color_material;

@@ -39,10 +39,14 @@ class Receivers {
   const std::vector<Receiver>& draws() const { return draws_; }
   // Of this frame, in eye space; null until a lit draw says where it is.
   const FixedLight* sun() const { return sun_ ? &*sun_ : nullptr; }
+  // How far off what OpenGL draws may be, by the rounding of coordinates far from their origin: eye space, which rays know, is
+  // around the eye.
+  float rounding() const { return 1.9e-6f * farthest_origin_; }  // 2^-19
 
  private:
   std::vector<Receiver> draws_;
   std::optional<FixedLight> sun_;
+  float farthest_origin_ = 0;  // of a draw's own coordinates, from the eye
   SurfaceNames names_;
 };
 

@@ -235,6 +235,7 @@ void Reflections::submit(const Batch& batch) {
     inputs.masks->shadow_lights = 1;
     inputs.masks->denoise = 0;
     inputs.masks->moving = settings().late;
+    inputs.masks->shadow_bias = batch.receivers->rounding();
     inputs.masks->shadow_bias_steps = 4;  // large polygons: what OpenGL interpolates is coarser than a step
   }
   View& view = views_[batch_];

@@ -20,6 +20,7 @@
  *   handler       SIGTERM ends it from its handler while it draws the overlay: the context is destroyed, the program exits
  *   swap_handler  the same while it swaps
  *   atexit        the context is destroyed by a function that atexit() was given before anything else
+ *   far           the floor's vertices are far from their origin
  *   slow          30 ms pass between frames
  *   egl           EGL in place of GLX
  *   debug         a context for debugging: fails at the first message of an error
@@ -177,7 +178,10 @@ static void set_fog(void) {
 }
 
 static void draw_floor(GLuint texture) {
-  static const float positions[] = {-4, 0, -4, -4, 0, 4, 4, 0, 4, 4, 0, -4}, uvs[] = {0, 0, 0, 4, 4, 4, 4, 0};
+  float positions[] = {-4, 0, -4, -4, 0, 4, 4, 0, 4, 4, 0, -4};
+  const float far_away = has("far") ? 4321.7f : 0;
+  for (int i = 0; i < 12; i += 3) positions[i] += far_away, positions[i + 2] -= far_away;
+  static const float uvs[] = {0, 0, 0, 4, 4, 4, 4, 0};
   static const GLubyte indices[] = {0, 1, 2, 0, 2, 3};
   glEnable(GL_TEXTURE_2D);
   glBindTexture(GL_TEXTURE_2D, texture);
@@ -187,7 +191,10 @@ static void draw_floor(GLuint texture) {
   glEnableClientState(GL_TEXTURE_COORD_ARRAY);
   glVertexPointer(3, GL_FLOAT, 0, positions);
   glTexCoordPointer(2, GL_FLOAT, 0, uvs);
+  glPushMatrix();
+  glTranslatef(-far_away, 0, far_away);
   glDrawElements(GL_TRIANGLES, 6, GL_UNSIGNED_BYTE, indices);
+  glPopMatrix();
   glDisableClientState(GL_VERTEX_ARRAY);
   glDisableClientState(GL_TEXTURE_COORD_ARRAY);
   glDisable(GL_TEXTURE_2D);

@@ -275,6 +275,14 @@ class RunTest(unittest.TestCase):
             self.assertEqual(said, "")
             self.assertGreaterEqual(alike, share * len(darker), what)
 
+    def test_what_is_far_from_its_origin_does_not_shadow_itself(self):
+        rules = self.rule("sun light 0")
+        near, _, _ = self.run_fixed(options=rules)
+        far, _, figures = self.run_fixed("far", options=rules)
+        self.assertEqual(figures["frames_with_shadows"], 3)
+        wrong = sum(1 for x, y in far.changed(near) if max(abs(a - b) for a, b in zip(far.at(x, y), near.at(x, y))) > 3)
+        self.assertLess(wrong, 300)  # the texture's edges, by a rounding
+
     def test_shade_of_a_rule_counts_where_nothing_is_lit(self):
         self.floor_rule()
         floor = re.search(r"texture (\w+)", (self.folder / "rules").read_text()).group(1)
