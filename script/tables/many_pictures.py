@@ -14,6 +14,9 @@ import numpy as np
 
 import sideray
 
+# Light that bounces, the default, takes several times as long, whichever way pictures are drawn.
+OPTIONS = {"ambient": "ao"}
+
 worker = None
 
 
@@ -29,10 +32,10 @@ class Worker:
 
     def draw(self, part, parts):
         for camera in self.cameras[part::parts]:
-            self.renderer.render(self.scene, self.size, camera).rgb
+            self.renderer.render(self.scene, self.size, camera, **OPTIONS).rgb
 
     def draw_many(self):
-        self.renderer.render_many(self.scene, self.cameras, self.size).rgb
+        self.renderer.render_many(self.scene, self.cameras, self.size, **OPTIONS).rgb
 
 
 def turned(angle):

@@ -261,11 +261,42 @@ def test_a_backdrop_is_the_same_for_any_number_of_threads():
     corner, across, down = np.array([-1.0, 0.8, -1.0]), np.array([2 / 410, 0.1 / 410, 0.0]), np.array([0.0, -1.6 / 300, 0.0])
 
     def drawn(threads):
-        return _native.with_backdrop(planes, np.array([0.1, 0.2, 0.3]), faces, 0.5, False, corner, across, down, threads)
+        return _native.with_backdrop(planes, np.array([0.1, 0.2, 0.3]), faces, 0.5, False, corner, across, down, threads, None)
 
     one = drawn(1)
     for threads in (2, 3, 7):
         assert np.array_equal(one, drawn(threads))
-    without_sky = _native.with_backdrop(planes, np.array([0.1, 0.2, 0.3]), None, 0.5, False, corner, across, down, 3)
+    without_sky = _native.with_backdrop(planes, np.array([0.1, 0.2, 0.3]), None, 0.5, False, corner, across, down, 3, None)
     rgb = np.stack(planes[:3], -1) + (1 - planes[3])[..., None] * np.array([0.1, 0.2, 0.3], np.float32)
     assert np.allclose(without_sky, rgb, atol=1e-6)
+
+
+@pytest.mark.parametrize("share", [0.3, 1.0])
+def test_haze_is_two_strips_seen_in_perspective(share):
+    """Against rays that meet the strips, (distance, height) of their edges: nothing, all, nothing of the colour."""
+    from sideray import _native
+
+    height, end, width, rows = 2.0, 40.0, 5, 400
+    edges = np.array([[(1 - share) * (1 + share) * end, -(1 + share) * height], [end, -height], [(1 + share) * end, 0.0]])
+    falls = 0.02 - 0.25 * np.arange(rows) / rows  # of each row, for a step of 1 along the plane
+    expected = np.zeros(rows)
+    for first, last in ((edges[0], edges[1]), (edges[2], edges[1])):
+        for row, fall in enumerate(falls):
+            # Where first + s (last - first) lies on the ray (t, t fall).
+            s = (first[1] - fall * first[0]) / ((first[1] - last[1]) - fall * (first[0] - last[0]))
+            if 0 <= s <= 1:
+                expected[row] = s
+    planes = [np.full((rows, width), value, np.float32) for value in (0.0, 1.0, 0.0, 1.0)]  # green, and nothing behind it
+    surfaces = np.zeros((rows, width), np.uint32)
+    surfaces[:] = [0, 1, 2, 2, 7]
+    haze = {"surfaces": surfaces, "is_endless": np.array([1, 0, 1], np.uint8), "color": np.array([1.0, 0, 0]),
+            "up": np.array([0.0, 0, 1]), "height": height, "end": end, "share": share}
+    faces = np.full((6, 4, 4, 3), [0, 0, 255], np.uint8)
+    drawn = _native.with_backdrop(planes, np.zeros(3), faces, 1.0, False, np.array([0.0, 1.0, falls[0]]), np.zeros(3),
+                                  np.array([0.0, 0.0, falls[1] - falls[0]]), 1, haze)
+    assert np.array_equal(drawn[:, 1], np.tile(np.float32([0, 1, 0]), (rows, 1))) and np.array_equal(drawn[:, 4], drawn[:, 1])
+    assert np.allclose(drawn[:, 2, 0], expected, atol=2e-3) and np.array_equal(drawn[:, 2], drawn[:, 3])
+    beyond = falls > -height / end  # of which the plane shows nothing, but the sky
+    assert np.allclose(drawn[beyond, 2, 1], 0) and np.allclose(drawn[beyond, 2, 2], 1 - expected[beyond], atol=2e-3)
+    assert np.allclose(drawn[~beyond, 2, 1], 1 - expected[~beyond], atol=2e-3)
+    assert np.allclose(drawn[:, 0, 0], expected, atol=2e-3)
