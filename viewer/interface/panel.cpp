@@ -135,11 +135,12 @@ Wish Panel::draw(State& state, const Drawer::Shown& shown, bool is_loading, bool
   ImGui::Begin("panel", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysVerticalScrollbar);
   if (state.view.scene) ImGui::TextUnformatted(state.view.scene->source().scene.c_str());
   ImGui::TextColored(pale, "%s   %ux%u%s", shown.device.c_str(), state.view.width, state.view.height, is_loading ? "   loading ..." : "");
-  if (!state.message.empty()) {
-    ImGui::PushTextWrapPos(0);
-    ImGui::TextColored(state.is_error ? warm : ImVec4{0.6f, 0.9f, 0.65f, 1}, "%s", state.message.c_str());
-    ImGui::PopTextWrapPos();
-  }
+  // Of one height, so that nothing moves away under the mouse; more lines are scrolled.
+  ImGui::BeginChild("message", {0, 2 * ImGui::GetTextLineHeight()});
+  ImGui::PushTextWrapPos(0);
+  ImGui::TextColored(state.is_error ? warm : ImVec4{0.6f, 0.9f, 0.65f, 1}, "%s", state.message.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::EndChild();
   if (state.view.scene) {
     ImGui::Separator();
     draw_comparison(state);
