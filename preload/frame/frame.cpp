@@ -97,7 +97,7 @@ Decision Frame::decide(const DrawState& state, const Geometry* geometry, uint64_
   if (bool has_holes = false; decision.rule.kind == Kind::unknown && covers(state, geometry, has_holes)) {
     decision.is_seen = true;
     // What has no holes looks the same before and behind what is held back; the vertices of glBegin are not known yet.
-    if (!holds_later() || (geometry && !has_holes)) decision.taking = Taking::opaque;
+    if (!is_holding() || (geometry && !has_holes)) decision.taking = Taking::opaque;
   }
   const bool is_solid = !state.blend && state.depth_test && state.depth_write && state.depth_func != GL_EQUAL;
   decision.is_seen = decision.is_seen || decision.taking == Taking::opaque || decision.taking == Taking::sky ||
