@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Times sideray.mujoco.Renderer beside mujoco.Renderer, step by step in turn: mujoco_speed.py MODEL.xml ... [--size 256x256,640x480]
 
-Of each model, size and way of drawing: the median of a simulated step's update_scene() and render() by either, and their ratio.
+Of each model, size and way of drawing: the median processor time, of all threads, of a simulated step's update_scene() and
+render() by either, and their ratio. It is the same on a busy machine as on a quiet one, but for what threads wait for in turn.
 It needs PyPI's mujoco; MuJoCo's own half needs MUJOCO_GL=egl or osmesa without a display.
 """
 
@@ -63,10 +64,10 @@ def measure(path, size, ways, steps, options):
             for step in range(steps + 2):
                 mujoco.mj_step(model, data)
                 for renderer, kept in zip((ours, theirs), times):
-                    begin = time.perf_counter()
+                    begin = time.process_time()
                     way.draw(renderer, data, camera)
                     if step >= 2:
-                        kept.append(1000 * (time.perf_counter() - begin))
+                        kept.append(1000 * (time.process_time() - begin))
             mine, other = map(statistics.median, times)
             print(f"| {path.parent.name}/{path.stem} | {width}x{height} | {way.name} | {other:.1f} | {mine:.1f} | "
                   f"{mine / other:.2f} |", flush=True)
