@@ -77,6 +77,8 @@ void add_translucency(const RenderOptions& options, const RenderRun& run, Json& 
     json["pixels"]["masks_older"] = s.mask_pixels_older;
     json["pixels"]["reflections_late"] = s.reflection_pixels_late;
     json["pixels"]["reflections_older"] = s.reflection_pixels_older;
+    json["pixels"]["irradiance_late"] = s.irradiance_pixels_late;
+    json["pixels"]["irradiance_older"] = s.irradiance_pixels_older;
     json["pixels"]["oldest_frames"] = s.answer_age;
     json["starved"] = s.jobs_starved;
   }
