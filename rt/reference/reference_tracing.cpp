@@ -103,7 +103,7 @@ class Pass {
   void trace_opaque(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
     w.rays.clear();
     for (const PixelRequest& p : pixels) w.rays.push_back(view_.ray(p.x, p.y));
-    const Cone cone = view_.cone(request_.width / 2, request_.height / 2);  // the cone by which LayerTracer reads alpha
+    const Cone cone = cone_at(request_.width / 2, request_.height / 2);  // by which LayerTracer reads alpha too
     trace_drawn_surfaces(*scene_.intersector, cone, w.rays, w.hits);
     w.counters.rays_primary += w.rays.size();
     for (size_t i = 0; i < pixels.size(); ++i) {
@@ -127,7 +127,7 @@ class Pass {
       const Hit& hit = w.hits[i];
       if (hit.instance == no_instance) continue;
       const PixelRequest& p = pixels[i];
-      SurfacePoint point = surface_point(*scene_.scene, hit, w.rays[i], view_.cone(p.x, p.y));
+      SurfacePoint point = surface_point(*scene_.scene, hit, w.rays[i], cone_at(p.x, p.y));
       point.key = random_key({pixel_key(request_.seed, position_, p.x, p.y), opaque_surface});
       if (position_ == 0 && request_.surfaces) store_surface(p, hit, point);
       w.points.push_back(point);
@@ -184,10 +184,10 @@ class Pass {
     w.eye_rays.clear();
     for (size_t i = 0; i < pixels.size(); ++i) {
       const PixelRequest& p = pixels[i];
-      w.eye_rays.push_back({w.rays[i], view_.cone(p.x, p.y), w.hits[i], pixel_key(request_.seed, 0, p.x, p.y)});
+      w.eye_rays.push_back({w.rays[i], cone_at(p.x, p.y), w.hits[i], pixel_key(request_.seed, 0, p.x, p.y)});
     }
     PathTracer& tracer = w.paths.tracer();
-    tracer.ways().look(view_.cone(request_.width / 2, request_.height / 2));
+    tracer.ways().look(cone_at(request_.width / 2, request_.height / 2));
     const uint64_t reflections = tracer.rays_reflection, shadows = tracer.rays_shadow(), ways = tracer.ways().traversals;
     w.eye.trace(w.eye_rays, {request_.light_samples, position_, distorts_picture(), refraction_.at_eye}, tracer, w.seen);
     w.counters.rays_reflection += tracer.rays_reflection - reflections;
@@ -201,6 +201,15 @@ class Pass {
       w.counters.layers_found += seen.surfaces;
       w.counters.traversals_wasted += seen.surfaces == 0;
     }
+  }
+
+  // Returns the cone at which textures are read. Paths see the pixel by all positions together, and each by its share of
+  // it alone: leaves that are cut out of coarse texels grow, and textures blur.
+  Cone cone_at(uint32_t x, uint32_t y) const {
+    const Cone cone = view_.cone(x, y);
+    if (request_.bounces == 1) return cone;
+    const float share = 1.0f / std::sqrt(static_cast<float>(request_.views.size()));
+    return {cone.width * share, cone.spread * share};
   }
 
   size_t texel_of(const PixelRequest& p) const { return size_t{p.y} * request_.width + p.x; }

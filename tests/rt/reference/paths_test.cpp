@@ -467,5 +467,32 @@ TEST(Paths, CompositesTakeThem) {
   EXPECT_LT(radiance(2), 0.05f);
 }
 
+// A quarter of a card shines, in squares that a pixel's footprint averages to nothing: with many positions each reads
+// finer texels, and the picture is that of the squares.
+TEST(Paths, PositionsReadTexturesByTheirShareOfThePixel) {
+  constexpr uint32_t size = 64;
+  std::vector<uint8_t> texels(size * size * 4, 255);
+  for (uint32_t y = 0; y < size; ++y)
+    for (uint32_t x = 0; x < size; ++x) texels[4 * (y * size + x) + 3] = x % 4 < 2 && y % 4 < 2 ? 255 : 0;
+  TestScene scene;
+  const uint32_t texture = scene.scene.add_texture(size, size, SIDERAY_RGBA8, texels.data());
+  sideray_material_desc m = plain_material();
+  m.alpha_mode = SIDERAY_MASK, m.alpha_cutoff = 0.5f;
+  m.base_color_texture.texture = texture;
+  m.unlit = 1;
+  scene.quad({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, m);
+  const auto snapshot = scene.commit();
+  const auto seen = [&](uint32_t side) {
+    std::vector<TraceView> views;
+    for (uint32_t i = 0; i < side * side; ++i) {
+      const double pixel = 1.0 / 8, x = (i % side + 0.5) / side * pixel, y = (i / side + 0.5) / side * pixel;
+      views.push_back(perspective({x, y, 10}, {x, y, 0}, 2 * std::atan(0.05), 1.0));
+    }
+    return mean_of(trace_paths(snapshot, views, {.light_samples = 1})).value;
+  };
+  EXPECT_EQ(seen(1), 0.0);
+  EXPECT_NEAR(seen(16), 0.25, 0.03);
+}
+
 }  // namespace
 }  // namespace sideray::rt::paths_test
