@@ -11,8 +11,8 @@
 
 namespace sideray::bridge {
 
-// What the renderer requests of a frame beyond its outputs: times, checks, occluder distances, only some tiles. The
-// outputs stay the same, except in tiles that are not wanted.
+// Holds what the renderer requests of a frame beyond its outputs: times, checks, occluder distances, only some tiles.
+// The outputs stay the same, except in tiles that are not wanted.
 struct Inspection {
   bool check = false;          // CACHE also traces what its layers are checked against
   bool hit_distances = false;  // masks hold the distance of every occluder near a shadow's edge
@@ -21,7 +21,7 @@ struct Inspection {
   bool keeps_masks = false;  // with `redraws`: the masks are reused, as in a view at rest
   // The tiles that are traced, of layers and of masks and reflections, if the frame does not continue; null: all.
   std::shared_ptr<const rt::WantedTiles> wanted, wanted_light;
-  // Of a position of a still view under a budget: the frames that it has taken, this one included. 0 = it is none.
+  // Counts the frames that a position of a still view under a budget has taken, this one included. 0 = it is none.
   uint32_t position_frames = 0;
   bool timed = false;        // the GPU is waited for around readback and upload, so that their times stand alone
 };

@@ -35,7 +35,7 @@ struct FramePosition {
 // Whether fragments are only drawn, or counted too and, where options say so, checked: an extra pass.
 enum class Fragments { drawn, counted };
 
-// What a pixel has answers of.
+// Names what rays answer for a pixel.
 enum class AnswerOf { lights, sky, reflections, layers };
 
 class Backend {

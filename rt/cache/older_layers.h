@@ -42,7 +42,7 @@ class OlderLayers {
   // Returns whether the cache may hold reprojected layers.
   bool has_moved() const { return has_moved_; }
 
-  // As OlderMasks::answers(), of each pixel's oldest layer.
+  // Returns of each pixel's oldest layer what OlderMasks::answers() does.
   std::vector<uint8_t> answers() const;
   // Returns the frame of the least recently traced pixel; 0 if most of them show nothing.
   uint32_t last_turn(std::span<const PixelRequest> pixels) const;

@@ -29,7 +29,7 @@ class OlderReflections {
 
   // In which frame each tile had its turn, 0 = never.
   const std::vector<uint32_t>& turns() const { return turns_; }
-  // As OlderMasks::answers().
+  // Returns of each pixel what OlderMasks::answers() does.
   std::vector<uint8_t> answers() const;
   // Call when a tile is traced: it was cleared before.
   void traced(size_t tile);

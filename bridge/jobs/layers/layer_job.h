@@ -35,7 +35,7 @@ class LayerJob final : public Job {
   const rt::LayerCache& cache() const { return cache_; }
   const rt::LayerTruth& truth() const { return truth_; }
   const rt::CompositeImage& composite() const { return composite_; }
-  // As MaskJob::answers(), of the cache's oldest layer.
+  // Returns what OlderLayers::answers() does; empty: all layers were traced in the last frame.
   std::vector<uint8_t> answers() const { return looks_back_ ? older_.answers() : std::vector<uint8_t>(); }
   const sideray_layer_outputs& outputs() const { return outputs_; }  // ticket 0: none yet
   const Lookup& lookup() const { return lookup_; }

@@ -27,7 +27,7 @@ class MaskJob final : public Job {
   void abandon() override;
 
   const rt::OcclusionMasks& image() const { return image_; }
-  // OlderMasks::answers() of the last frame; empty: all masks were traced in it.
+  // Returns what OlderMasks::answers() does; empty: all masks were traced in the last frame.
   std::vector<uint8_t> answers(rt::OlderMasks::Part part) const {
     return looks_back_ ? older_.answers(part) : std::vector<uint8_t>();
   }

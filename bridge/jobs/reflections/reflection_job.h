@@ -16,7 +16,7 @@ class ReflectionJob final : public LightJob<sideray_reflection_outputs, rt::Olde
   rt::Counters trace(const JobFrame& frame, const TraceInput& input) override;
 
   const rt::ReflectionImage& image() const { return image_; }
-  // As MaskJob::answers().
+  // Returns what OlderReflections::answers() does; empty: all reflections were traced in the last frame.
   std::vector<uint8_t> answers() const { return looks_back_ ? history_.answers() : std::vector<uint8_t>(); }
 
  private:
