@@ -371,43 +371,51 @@ Counters IrradianceTracing::trace(const IrradianceRequest& r, TracedScene& scene
   image.width = r.width;
   image.height = r.height;
   if (!fits) image.light.assign(size_t{4} * r.width * r.height, 0);
+  Counters counters = trace_frame(r, scene, history, traced, image);
+  image.changed = image.changed || !fits;
+  if (r.still) r.still->end(counters, !is_bounded(r.work) && traced.empty());
+  return counters;
+}
+
+Counters IrradianceTracing::trace_frame(const IrradianceRequest& r, TracedScene& scene, IrradianceHistory* history,
+                                        const std::vector<uint8_t>& traced, IrradianceImage& image) {
+  Executor& executor = scene.executor();
+  const FrameCamera camera(r.view, r.width, r.height);
   const bool keeps = history && !history->stands_for_last();
   IrradianceCells& cells = keeps ? history->cells() : cells_;
   cells.fit(r.width, r.height);
   pixels_.resize(cells.size());
-  Executor& executor = scene.executor();
-  if (!keeps) fill_depths(executor, r.depth, FrameCamera(r.view, r.width, r.height), depths_);
+  if (!keeps) fill_depths(executor, r.depth, camera, depths_);
   const std::span<const float> depths = keeps ? history->depths() : depths_;
   for (Worker& worker : workers_) worker.counters = {};
   const ViewRays view(r.view, r.width, r.height);
   const bool is_later = history && history->frame() > 1 && r.position_frames == 0;
   const uint32_t seed = is_later ? random_key({r.seed, history->frame()}) : r.seed;
-  const FrameCamera camera(r.view, r.width, r.height);
   const model::Snapshot& shown = *scene.shading().snapshot;
   const bool veiled = veils_sky(shown), has_colours = !scene.sky().black() && (veiled || !shown.environment->uniform);
   const EnvironmentLanes environment(*shown.environment, shade_kernels(scene.intersector().isa().c_str()));
   const Frame frame{r, view, scene.shading(), scene.intersector(), history, cells, depths, seed, tile_count(r.width), camera, environment,
                     has_colours ? &scene.sky() : nullptr, veiled};
+  const bool in_parts = keeps && is_bounded(r.work), of_position = in_parts && r.position_frames > 0;
+  const TileRows all{0, tile_count(r.height)};
   const Stopwatch tracing;
-  TileRows rows{0, tile_count(r.height)};
-  const bool in_parts = keeps && is_bounded(r.work);
-  if (!in_parts) trace_all(frame, traced, executor);
-  else if (r.position_frames == 0) rows = trace_rows(frame, executor, image);
-  else rows = trace_position(frame, executor);
+  TileRows rows = all;
+  if (of_position) rows = trace_position(frame, executor);
+  else if (in_parts) rows = trace_rows(frame, executor, image);
+  else trace_all(frame, traced, executor);
   if (history && !(r.cancelled && r.cancelled->load())) history->end();
   Counters sum;
   for (const Worker& worker : workers_) sum += worker.counters;
   sum.pixels_total = uint64_t{r.width} * r.height;
-  const Stopwatch watch;
-  if (rows.first < rows.end)
-    filter_.apply({r, cells, keeps ? history->walls() : walls_, depths}, pixels_of(rows, r.height), scene, image);
-  if (r.denoise) sum.denoise_ms = watch.ms();
-  if (in_parts && rows.first < rows.end) history->took(r.position_frames == 0 ? tracing.ms() : watch.ms(), rows.end - rows.first);
-  if (in_parts && r.position_frames > 0 && rows.end < tile_count(r.height)) {
-    image.changed = !fits;
-    sum.frames_waiting = std::max<uint64_t>(sum.frames_waiting, r.position_frames);
-  }
-  if (r.still) r.still->end(sum, !is_bounded(r.work) && traced.empty());
+  const Stopwatch filtering;
+  const bool filters = rows.first < rows.end;
+  if (filters) filter_.apply({r, cells, keeps ? history->walls() : walls_, depths}, pixels_of(rows, r.height), scene, image);
+  if (r.denoise) sum.denoise_ms = filtering.ms();
+  if (in_parts && filters) history->took(of_position ? filtering.ms() : tracing.ms(), rows.end - rows.first);
+  if (!of_position) return sum;
+  // It is shown when all of its rows are filtered.
+  image.changed = filters && rows.end == all.end;
+  if (rows.end < all.end) sum.frames_waiting = std::max<uint64_t>(sum.frames_waiting, r.position_frames);
   return sum;
 }
 

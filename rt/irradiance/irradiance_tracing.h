@@ -34,6 +34,8 @@ class IrradianceTracing {
   static Counters keep(IrradianceHistory& history, const IrradianceRequest& request);
   template <typename Known>
   static void count_left(const Frame& frame, Worker& worker, uint32_t tile, const Known& known);
+  Counters trace_frame(const IrradianceRequest& request, TracedScene& scene, IrradianceHistory* history,
+                       const std::vector<uint8_t>& traced, IrradianceImage& image);
   void trace_all(const Frame& frame, const std::vector<uint8_t>& traced, Executor& executor);
   TileRows trace_rows(const Frame& frame, Executor& executor, IrradianceImage& image);
   TileRows trace_position(const Frame& frame, Executor& executor);

@@ -9,13 +9,14 @@ import pathlib
 import re
 import shutil
 import signal
-import struct
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
-import zlib
+
+sys.dont_write_bytecode = True
+import outside  # noqa: E402
 
 PROGRAM, FIXED = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
 
@@ -45,20 +46,9 @@ class Picture:
 
     @classmethod
     def of_png(cls, path):
-        """One of `--pictures`, which are not compressed and have no filters."""
-        data, chunks, place = path.read_bytes(), b"", 8
-        while place < len(data):
-            size, name = struct.unpack(">I4s", data[place:place + 8])
-            body = data[place + 8:place + 8 + size]
-            if name == b"IHDR":
-                width, height = struct.unpack(">II", body[:8])
-            if name == b"IDAT":
-                chunks += body
-            place += 12 + size
-        rows = zlib.decompress(chunks)
+        """One of `--pictures`."""
         picture = cls.__new__(cls)
-        picture.width, picture.height = width, height
-        picture.pixels = b"".join(rows[y * (3 * width + 1) + 1:(y + 1) * (3 * width + 1)] for y in range(height))
+        picture.width, picture.height, picture.pixels = outside.read(path)
         return picture
 
     def at(self, x, y):

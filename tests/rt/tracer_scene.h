@@ -53,6 +53,16 @@ inline sideray_material_desc glowing(glm::vec3 radiance) {
   return m;
 }
 
+inline sideray_material_desc matt(float albedo, glm::vec3 emission = glm::vec3(0.0f)) {
+  sideray_material_desc m = glowing(emission);
+  for (int c = 0; c < 3; ++c) m.base_color[c] = albedo;
+  m.unlit = 0;
+  m.specular = 0.0f;
+  m.roughness = 1.0f;
+  m.double_sided = 1;
+  return m;
+}
+
 // Parallelograms added one by one; surface ids count from 1.
 class TestScene {
  public:

@@ -16,16 +16,6 @@ using namespace test;
 
 constexpr uint32_t width = 64, height = 48, tile = frame_tile_size;
 
-sideray_material_desc matt(float albedo, glm::vec3 emission) {
-  sideray_material_desc m = glowing(emission);
-  for (int c = 0; c < 3; ++c) m.base_color[c] = albedo;
-  m.unlit = 0;
-  m.specular = 0.0f;
-  m.roughness = 1.0f;
-  m.double_sided = 1;
-  return m;
-}
-
 // A closed room of 16 x 4 x 16 about the origin, whose insides shine.
 std::shared_ptr<const model::Snapshot> furnace(float albedo, glm::vec3 emission) {
   TestScene scene;
@@ -247,8 +237,14 @@ TEST(Irradiance, UnderABudgetComesToTheSameBits) {
     EXPECT_TRUE(turn == 1 || counters.irradiance_pixels_late < late) << turn;
     late = counters.irradiance_pixels_late;
     EXPECT_EQ(image.light == whole.light, turn == tiles) << turn;
+    EXPECT_EQ(image.changed, turn == 1 || turn == tiles) << turn;
   }
   EXPECT_EQ(late, 0u);
+  // What else the position waits for finds it as it is.
+  request.position_frames = tiles + 1;
+  EXPECT_EQ(tracer.trace_irradiance(request, image).rays_bounce, 0u);
+  EXPECT_FALSE(image.changed);
+  EXPECT_EQ(image.light, whole.light);
 }
 
 // Views of several sizes share a tracer, and each has a history of its own.

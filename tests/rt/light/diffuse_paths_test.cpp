@@ -13,16 +13,6 @@ namespace {
 
 using namespace test;
 
-sideray_material_desc matt(float albedo) {
-  sideray_material_desc m = glowing(glm::vec3(0.0f));
-  for (int c = 0; c < 3; ++c) m.base_color[c] = albedo;
-  m.unlit = 0;
-  m.specular = 0.0f;
-  m.roughness = 1.0f;
-  m.double_sided = 1;
-  return m;
-}
-
 // The mean of what paths bring that meet a floor of albedo .5. The sky is 2 toward +X and 0 toward -X; an endless black wall
 // hides the side of sign `hidden`, or none.
 float light_of_floor(double hidden) {

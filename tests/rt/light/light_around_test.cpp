@@ -13,16 +13,6 @@ namespace {
 
 using namespace test;
 
-sideray_material_desc matt(float albedo, glm::vec3 emission = glm::vec3(0.0f)) {
-  sideray_material_desc m = glowing(emission);
-  for (int c = 0; c < 3; ++c) m.base_color[c] = albedo;
-  m.unlit = 0;
-  m.specular = 0.0f;
-  m.roughness = 1.0f;
-  m.double_sided = 1;
-  return m;
-}
-
 // Shades what rays hit that go from a point in all directions through a grid on the face of a cube.
 struct Hits {
   explicit Hits(TestScene& scene) : shading(std::make_unique<ShadingScene>(scene.commit())) {
