@@ -300,5 +300,35 @@ TEST(Irradiance, OfAMovingCameraUnderABudgetIsCarriedAlong) {
   }
 }
 
+// What is carried along moves with its surface: an image that says where on the floor each pixel lies still says so.
+TEST(Irradiance, ThatIsCarriedAlongMovesWithItsSurface) {
+  constexpr double step = 0.3, pixel = 0.06;  // on the floor
+  const FloorFrame before, after(step);
+  const auto place = [](const FloorFrame& frame, size_t texel) {
+    const Ray ray = ViewRays(frame.view, width, height).ray(static_cast<uint32_t>(texel % width), static_cast<uint32_t>(texel / width));
+    return ray.origin.x + ray.direction.x * (-2.0f / ray.direction.y);
+  };
+  Tracer tracer({2, ""});
+  tracer.set_scene(furnace(0.5f, glm::vec3(1.0f)));
+  IrradianceHistory history;
+  IrradianceImage image;
+  IrradianceRequest request = before.request();
+  request.history = &history;
+  tracer.trace_irradiance(request, image);
+  for (size_t t = 0; t < size_t{width} * height; ++t) image.light[4 * t] = glm::packHalf1x16(place(before, t));
+  request = after.request();
+  request.history = &history;
+  request.sequence = SequenceStep::next;
+  PiecesLeft pieces{width / tile};
+  request.work.pieces = &pieces;
+  const Counters counters = tracer.trace_irradiance(request, image);
+  EXPECT_GT(counters.irradiance_pixels_older, width * tile / 2u);
+  // The second row of tiles is traced.
+  for (size_t t = 0; t < size_t{width} * tile; ++t) {
+    if (image.light[4 * t + 3] == 0) continue;
+    ASSERT_NEAR(rgb(image.light, t).x, place(after, t), pixel) << t;
+  }
+}
+
 }  // namespace
 }  // namespace sideray::rt::irradiance_test
