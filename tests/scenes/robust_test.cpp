@@ -111,7 +111,8 @@ void expect_refused_where_cut(size_t step) {
   size_t bytes = 0;
   for (const fs::path& path : scenes_below(corpus())) {
     SCOPED_TRACE(path);
-    const std::vector<uint8_t> whole = bytes_of(path);
+    std::vector<uint8_t> whole = bytes_of(path);
+    if (path.extension() == ".gltf" && whole.back() == '\n') whole.pop_back();  // it can be missed
     tests::MemoryFile cut(path.extension());
     for (size_t length = bytes % step; length < whole.size(); length += step) {
       cut.put(std::span(whole).first(length));

@@ -1,21 +1,11 @@
-// The JSON of a glTF file, refused where it is too large or not JSON. Any thread.
+// Changes to the JSON of a glTF file before tinygltf reads it. Any thread.
 #pragma once
 
-#include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <set>
-#include <span>
 #include <string>
 
-#include "scenes/base/budget.h"
-
 namespace sideray::scenes::gltf {
-
-// Without line ends and the last full stop, and of a length that an error message can hold.
-std::string one_line(std::string text);
-
-// Takes what its values will need. Throws Error, which names `path`.
-nlohmann::json parse_json(std::span<const uint8_t> text, const std::string& path, Budget& budget);
 
 // Each changes what exporters write and tinygltf refuses, and returns whether there was any.
 // Lists that are null, which says as much as that there are none.
@@ -30,5 +20,10 @@ bool mend_spots(nlohmann::json& root);
 bool mend_targets(nlohmann::json& root);
 // Cameras of an unknown type, or without what their type wants, become others; returns which.
 std::set<size_t> hide_broken_cameras(nlohmann::json& root);
+// Buffer views with EXT_meshopt_compression name a place for decoded bytes that need not exist. They then name their
+// compressed bytes instead, so that what checks and loads views sees nothing special. Throws Error.
+bool point_at_compressed(nlohmann::json& root, const std::string& path);
+// tinygltf wants data behind every accessor of indices, and Draco's has none: the extension keeps their number.
+bool hide_draco_indices(nlohmann::json& root, const std::string& path);
 
 }  // namespace sideray::scenes::gltf

@@ -1,67 +1,18 @@
-#include "scenes/gltf/gltf_json.h"
+#include "scenes/gltf/file/mend.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "scenes/base/limits.h"
-#include "scenes/gltf/gltf.h"
+#include "scenes/gltf/file/json.h"
 
 namespace sideray::scenes::gltf {
 namespace {
 
 using Json = nlohmann::json;
-
-// The parser's message without its identifier, and without the marks that part our lines into "what: why; what to do".
-std::string json_reason(std::string text) {
-  const size_t identifier = text.find("] ");
-  if (text.starts_with('[') && identifier != std::string::npos) text.erase(0, identifier + 2);
-  for (const char* mark : {": ", "; "}) {
-    for (size_t at = text.find(mark); at != std::string::npos; at = text.find(mark)) text[at] = ',';
-  }
-  return one_line(std::move(text));
-}
-
-// Looks at a text before anything is made of it. A callback of the parser that makes values could do so too, but
-// searches the list around an object at each object's end, which takes hours for a list of a million nodes.
-class JsonLimits : public nlohmann::json_sax<Json> {
- public:
-  JsonLimits(const std::string& path, Budget& budget) : path_(path), budget_(budget) {}
-  bool null() override { return count(); }
-  bool boolean(bool) override { return count(); }
-  bool number_integer(number_integer_t) override { return count(); }
-  bool number_unsigned(number_unsigned_t) override { return count(); }
-  bool number_float(number_float_t, const string_t&) override { return count(); }
-  bool string(string_t&) override { return count(); }
-  bool binary(binary_t&) override { return count(); }
-  bool key(string_t&) override { return count(); }
-  bool start_object(size_t) override { return count() && ++depth_ > 0; }
-  bool start_array(size_t) override { return count() && ++depth_ > 0; }
-  bool end_object() override { return depth_-- > 0; }
-  bool end_array() override { return depth_-- > 0; }
-  bool parse_error(size_t, const std::string&, const nlohmann::detail::exception&) override { return false; }
-
- private:
-  bool count() {
-    if (depth_ > limits::json_depth)
-      refuse("cannot read {}: its JSON is nested deeper than {}; export it again", path_, limits::json_depth);
-    if (++values_ > limits::json_values)
-      refuse("cannot read {}: its JSON has more than {} values; keep numbers in buffers", path_, limits::json_values);
-    if (values_ % chunk != 1) return true;
-    budget_.take(chunk * limits::json_value_bytes, "its JSON");
-    budget_.check_time("its JSON");
-    return true;
-  }
-  static constexpr uint64_t chunk = 4096;
-  const std::string& path_;
-  Budget& budget_;
-  int depth_ = 0;
-  uint64_t values_ = 0;
-};
 
 // Keys of glTF whose values are whole numbers, or lists of them.
 bool is_whole_by_name(const std::string& key) {
@@ -192,25 +143,55 @@ std::set<size_t> hide_broken_cameras(Json& root) {
   return broken;
 }
 
-std::string one_line(std::string text) {
-  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
-  if (text.ends_with('.')) text.pop_back();
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text.size() > 300 ? text.substr(0, 300) + "..." : text;
+bool point_at_compressed(Json& root, const std::string& path) {
+  constexpr const char* name = "EXT_meshopt_compression";
+  const auto extension_of = [&](Json& object) -> const Json* {
+    const auto extensions = object.find("extensions");
+    if (extensions == object.end() || !extensions->is_object() || !extensions->contains(name)) return nullptr;
+    const Json& found = extensions->at(name);
+    if (!found.is_object()) refuse("cannot read {}: an extension {} is not an object; export it again", path, name);
+    return &found;
+  };
+  bool changed = false;
+  for (size_t i = 0; i < objects(root, "buffers", path).size(); ++i) {
+    Json& buffer = root["buffers"][i];
+    const Json* e = extension_of(buffer);
+    if (e == nullptr || !e->contains("fallback") || e->at("fallback") != true) continue;
+    buffer["byteLength"] = 1;
+    buffer["uri"] = "data:application/octet-stream;base64,AA==";
+    changed = true;
+  }
+  for (size_t i = 0; i < objects(root, "bufferViews", path).size(); ++i) {
+    Json& view = root["bufferViews"][i];
+    const Json* e = extension_of(view);
+    if (e == nullptr) continue;
+    for (const char* key : {"buffer", "byteOffset", "byteLength"}) {
+      if (e->contains(key))
+        view[key] = e->at(key);
+      else
+        view.erase(key);
+    }
+    changed = true;
+  }
+  return changed;
 }
 
-Json parse_json(std::span<const uint8_t> text, const std::string& path, Budget& budget) {
-  const auto first = std::find_if(text.begin(), text.end(), [](uint8_t c) { return std::isspace(c) == 0; });
-  const bool marked = first != text.end() && *first == 0xef;  // of a byte order
-  if (first != text.end() && *first != '{' && !marked)
-    refuse("cannot read {}: it is neither binary glTF nor JSON; get it again or export it again", path);
-  JsonLimits sizes(path, budget);
-  Json::sax_parse(text.begin(), text.end(), &sizes);
-  try {
-    return Json::parse(text.begin(), text.end());
-  } catch (const Json::exception& error) {
-    refuse("cannot read {}: {}; export it again", path, json_reason(error.what()));
+bool hide_draco_indices(Json& root, const std::string& path) {
+  constexpr const char* name = "KHR_draco_mesh_compression";
+  bool changed = false;
+  for (size_t i = 0; i < objects(root, "meshes", path).size(); ++i) {
+    const auto primitives = root["meshes"][i].find("primitives");
+    if (primitives == root["meshes"][i].end() || !primitives->is_array()) continue;
+    for (Json& primitive : *primitives) {
+      const Json::json_pointer e = Json::json_pointer("/extensions") / name;
+      if (!primitive.is_object() || !primitive.contains(e) || !primitive[e].is_object()) continue;
+      if (!primitive.contains("indices")) continue;
+      primitive[e]["indices"] = primitive["indices"];
+      primitive.erase("indices");
+      changed = true;
+    }
   }
+  return changed;
 }
 
 }  // namespace sideray::scenes::gltf

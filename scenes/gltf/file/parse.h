@@ -1,0 +1,15 @@
+// tinygltf at work on a file that was checked. Any thread.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "scenes/gltf/gltf.h"
+
+namespace sideray::scenes::gltf {
+
+// Fills file.model, and reads from `folder` what the file names. Throws Error.
+void parse(std::span<const uint8_t> bytes, const std::string& folder, File& file);
+
+}  // namespace sideray::scenes::gltf

@@ -1,0 +1,20 @@
+// The files that a glTF file names. Any thread.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "scenes/gltf/gltf.h"
+
+namespace sideray::scenes::gltf {
+
+// Rewrites uris of buffers and images that tinygltf would not find, with a warning. Returns whether there were any.
+bool mend_uris(nlohmann::json& root, const std::filesystem::path& folder, File& file);
+
+// Throws Error, which names `path` and `user`, where the object's uri is neither data nor a file in the scene's folder: a
+// scene from elsewhere must not read what it likes.
+void check_uri(const nlohmann::json& object, const std::filesystem::path& folder, const std::string& path,
+               const std::string& user);
+
+}  // namespace sideray::scenes::gltf
