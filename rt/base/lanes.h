@@ -1,12 +1,12 @@
 // Provides vectors of floats, one lane a hit, with what shaders/shading/shading.h requires of its scalar type. It is
-// compiled once for each instruction set, by the files that define SIDERAY_LANES (a namespace of their own) and
-// SIDERAY_LANE_COUNT; nothing in here may be shared between them, so it includes nothing that defines inline functions
+// compiled once for each instruction set, with SIDERAY_LANES (a namespace of its own) and SIDERAY_LANE_COUNT defined by
+// sideray_lanes() in rt/CMakeLists.txt; nothing in here may be shared between them, so it includes nothing that defines inline functions
 // of ours or of the library. Any thread may call it.
 // Results are the same bits everywhere: only operations that IEEE 754 defines exactly, no contraction, no approximate
 // reciprocals. Transcendental functions are those of elementary/functions.h, by the same cores in vectors of doubles, and
 // give the same bits as those.
 #if !defined(SIDERAY_LANES) || !defined(SIDERAY_LANE_COUNT)
-#error "include through rt/shade_kernels_*.cpp"
+#error "for the sources that sideray_lanes() compiles (rt/CMakeLists.txt)"
 #endif
 
 #include <stdint.h>

@@ -41,9 +41,8 @@ struct LayerFilterKernels {
   void (*blur)(const LayerColumns& columns, int32_t at, int32_t pass);
 };
 
-// Returns the widest of our kernels that this processor has.
-const LayerFilterKernels& layer_filter_kernels();
-// Returns those for an instruction set: "avx512", "avx2", otherwise the baseline. The processor must have it.
-const LayerFilterKernels& layer_filter_kernels(const char* isa);
+// Returns the kernels for an instruction set: "avx512", "avx2", otherwise the baseline; null: the widest of the processor,
+// which must have what it is asked for.
+const LayerFilterKernels& layer_filter_kernels(const char* isa = nullptr);
 
 }  // namespace sideray::rt

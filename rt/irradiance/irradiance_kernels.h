@@ -48,7 +48,8 @@ struct IrradianceKernels {
   uint32_t (*spread)(const CellColumns& columns, int32_t at, int32_t x, int32_t y, const PixelColumns& pixels);
 };
 
-// Returns the kernels for an instruction set: "avx512", "avx2", otherwise the baseline. The processor must have it.
-const IrradianceKernels& irradiance_kernels(const char* isa);
+// Returns the kernels for an instruction set: "avx512", "avx2", otherwise the baseline; null: the widest of the processor,
+// which must have what it is asked for.
+const IrradianceKernels& irradiance_kernels(const char* isa = nullptr);
 
 }  // namespace sideray::rt

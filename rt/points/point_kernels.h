@@ -101,9 +101,8 @@ struct PointKernels {
                    const RayArrays& rays);
 };
 
-// Returns the widest of our kernels that this processor has.
-const PointKernels& point_kernels();
-// Returns those for an instruction set: "avx512", "avx2", otherwise the baseline. The processor must have it.
-const PointKernels& point_kernels(const char* isa);
+// Returns the kernels for an instruction set: "avx512", "avx2", otherwise the baseline; null: the widest of the processor,
+// which must have what it is asked for.
+const PointKernels& point_kernels(const char* isa = nullptr);
 
 }  // namespace sideray::rt

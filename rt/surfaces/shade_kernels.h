@@ -120,7 +120,8 @@ struct ShadeKernels {
                        const BlockRow (&shine)[3]);
 };
 
-// Returns the kernels for an instruction set as Embree calls it: the widest of ours within it.
-const ShadeKernels& shade_kernels(const char* isa);
+// Returns the kernels for an instruction set: "avx512", "avx2", otherwise the baseline; null: the widest of the processor,
+// which must have what it is asked for.
+const ShadeKernels& shade_kernels(const char* isa = nullptr);
 
 }  // namespace sideray::rt

@@ -1,4 +1,4 @@
-// Holds what the kernels of surfaces (rt/surfaces/surface_kernels_body.h) read of a snapshot: plain numbers and plain
+// Holds what the kernels of surfaces (rt/surfaces/surface_lanes.h) read of a snapshot: plain numbers and plain
 // pointers into it. Names no types of GLM or the library. Immutable once built; any thread may read it.
 #pragma once
 

@@ -49,9 +49,8 @@ struct ShadowKernels {
                      int32_t width, int32_t height);
 };
 
-// Returns the widest of our kernels that this processor has.
-const ShadowKernels& shadow_kernels();
-// Returns those for an instruction set: "avx512", "avx2", otherwise the baseline. The processor must have it.
-const ShadowKernels& shadow_kernels(const char* isa);
+// Returns the kernels for an instruction set: "avx512", "avx2", otherwise the baseline; null: the widest of the processor,
+// which must have what it is asked for.
+const ShadowKernels& shadow_kernels(const char* isa = nullptr);
 
 }  // namespace sideray::rt

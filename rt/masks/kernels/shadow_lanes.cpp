@@ -1,4 +1,4 @@
-// Contains the one source of the kernels, for the files that name an instruction set's namespace; see rt/base/lanes.h.
+// Compiled once for each instruction set (sideray_lanes() in rt/CMakeLists.txt; rt/base/lanes.h).
 // Any thread may call them.
 #include "rt/base/lane_reads.h"
 #include "rt/masks/kernels/shadow_kernels.h"

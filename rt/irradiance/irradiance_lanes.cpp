@@ -1,4 +1,4 @@
-// Contains the one source of the kernels, for the files that name an instruction set's namespace; see rt/base/lanes.h.
+// Compiled once for each instruction set (sideray_lanes() in rt/CMakeLists.txt; rt/base/lanes.h).
 // Any thread may call them.
 //
 // An edge-avoiding a-trous wavelet filter with the 3x3 kernel of the linear B-spline: rt/irradiance/irradiance_filter.h says

@@ -1,4 +1,4 @@
-// Contains the part of the kernels (rt/surfaces/shade_kernels_body.h, which includes it) that makes surfaces of hits.
+// Contains the part of the kernels (rt/surfaces/shade_lanes.cpp, which includes it) that makes surfaces of hits.
 // Memory is read hit by hit, four numbers at once, with what is needed next fetched ahead; the arithmetic runs in
 // lanes. Each step does what surface_point() does, operation by operation: the bits are the same.
 #pragma once

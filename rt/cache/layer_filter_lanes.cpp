@@ -1,4 +1,4 @@
-// Contains the one source of the kernels, for the files that name an instruction set's namespace; see rt/base/lanes.h.
+// Compiled once for each instruction set (sideray_lanes() in rt/CMakeLists.txt; rt/base/lanes.h).
 // Any thread may call them.
 //
 // The filter runs edge-avoiding a-trous wavelets (Dammertz et al. 2010) with the 3x3 kernel of the linear B-spline; the

@@ -1,4 +1,4 @@
-// Contains the one source of the kernels, for the files that name an instruction set's namespace; see rt/base/lanes.h.
+// Compiled once for each instruction set (sideray_lanes() in rt/CMakeLists.txt; rt/base/lanes.h).
 // Any thread may call them.
 #include "elementary/functions.h"
 #include "rt/base/lanes.h"
@@ -449,11 +449,11 @@ void finish_block(const SurfaceBlock& block, const AroundBlock& around, BlockRow
 
 }  // namespace sideray::rt::SIDERAY_LANES
 
-#include "rt/surfaces/surface_kernels_body.h"
+#include "rt/surfaces/surface_lanes.h"
 
 namespace sideray::rt::SIDERAY_LANES {
 
-const ShadeKernels& kernels() {
+const ShadeKernels& shade_kernels() {
   static constexpr ShadeKernels table{SIDERAY_LANES_NAME, surfaces_of_hits, unload_points,  load_points,
                                       blend_block,        light_block,      add_light,      look_around,
                                       hide_sky,           pack_rays,        places_of_lobes, specular_block,

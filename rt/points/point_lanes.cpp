@@ -1,4 +1,4 @@
-// Contains the one source of the kernels, for the files that name an instruction set's namespace; see rt/base/lanes.h.
+// Compiled once for each instruction set (sideray_lanes() in rt/CMakeLists.txt; rt/base/lanes.h).
 // Every operation stands in the order in which rt/base/view_rays.cpp, rt/masks/depth_points.cpp and rt/base/sampling.h
 // have it. Any thread may call them.
 #include "rt/points/double_lanes.h"

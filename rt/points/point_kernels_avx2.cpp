@@ -1,4 +1,0 @@
-#define SIDERAY_LANES lanes_avx2
-#define SIDERAY_LANES_NAME "avx2"
-#define SIDERAY_LANE_COUNT 8
-#include "rt/points/point_kernels_body.h"
