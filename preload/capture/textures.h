@@ -33,7 +33,7 @@ class Textures {
   };
   static void read(GLuint name, Texture& texture);
   std::map<GLuint, Known> known_;
-  const Texture none_;
+  const Texture none_{};
 };
 
 }  // namespace sideray::run

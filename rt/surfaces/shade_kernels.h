@@ -3,6 +3,7 @@
 // may call it.
 #pragma once
 
+#include <stddef.h>
 #include <stdint.h>
 
 #include "rt/surfaces/block_rows.h"

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <limits>
 
-#include "scenes/base/limits.h"
+#include "scenes/base/files.h"
 #include "scenes/gltf/gltf.h"
 
 namespace sideray::scenes::gltf {

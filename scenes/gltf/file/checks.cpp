@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "scenes/base/limits.h"
+#include "scenes/base/files.h"
 #include "scenes/gltf/file/extensions.h"
 #include "scenes/gltf/file/json.h"
 #include "scenes/gltf/file/uris.h"

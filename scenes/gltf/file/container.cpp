@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "scenes/base/limits.h"
+#include "scenes/base/files.h"
 
 namespace sideray::scenes::gltf {
 namespace {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "scenes/base/limits.h"
+#include "scenes/base/files.h"
 
 namespace sideray::scenes::gltf {
 namespace {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "scenes/base/files.h"
 #include "scenes/base/limits.h"
 
 namespace sideray::scenes::gltf {

@@ -6,7 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "scenes/base/limits.h"
+#include "scenes/base/files.h"
 #include "scenes/gltf/file/json.h"
 
 namespace sideray::scenes::gltf {

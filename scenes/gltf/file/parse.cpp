@@ -4,6 +4,7 @@
 #include <new>
 #include <optional>
 
+#include "scenes/base/files.h"
 #include "scenes/base/limits.h"
 #include "scenes/gltf/file/container.h"
 #include "scenes/gltf/file/json.h"

@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "scenes/base/files.h"
 #include "scenes/base/limits.h"
 #include "scenes/gltf/file/checks.h"
 #include "scenes/gltf/file/container.h"

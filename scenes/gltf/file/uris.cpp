@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "scenes/base/limits.h"
+#include "scenes/base/files.h"
 #include "scenes/gltf/file/json.h"
 
 namespace sideray::scenes::gltf {
