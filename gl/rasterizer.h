@@ -107,8 +107,8 @@ class Rasterizer {
   void average(const FrameBefore& before);
   void keep_average();
   void forget_averages();
-  // Makes `picture`, of the targets' size and bottom row first, the history in place of the last average kept. Needs
-  // one.
+  // Makes `picture`, of the targets' size and bottom row first, the history in place of the last average kept, which
+  // must exist.
   void replace_average(const std::vector<glm::vec4>& picture);
 
   uint32_t framebuffer() const;  // its depth-stencil attachment is what the service reads

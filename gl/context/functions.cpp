@@ -142,7 +142,7 @@ void require_capabilities(const Functions& gl) {
          gl.version_string, gl.renderer, missing);
 }
 
-// A null pointer proves absence, a non-null one proves nothing: wglGetProcAddress, for one, knows no OpenGL 1.1.
+// A null pointer proves that the loader lacks it, as wglGetProcAddress lacks OpenGL 1.1; a non-null one proves nothing.
 void require_entry_points(const Functions& gl) {
   const struct {
     const char* name;

@@ -8,7 +8,7 @@
 
 namespace sideray::gl {
 
-// Its members of GladGLContext are the entry points without their gl prefix, also where an extension has them under a
+// The members of GladGLContext are the entry points without their gl prefix, also those that an extension has under a
 // suffix. Capabilities follow from version and extension string, since loaders return non-null for names that do not
 // exist. A capability is cleared where an entry point that it needs is null.
 struct Functions : GladGLContext {

@@ -17,8 +17,8 @@ const Functions& checked(const Functions& gl) {
   return gl;
 }
 
-// Returns the distance from the eye to a box in steps of half an octave. Of a large box a farther point than the
-// nearest counts, since walls around the eye are mostly behind what they hold.
+// Returns the distance from the eye to a box in steps of half an octave. Half the box's radius is added, since walls
+// around the eye are mostly behind what they enclose.
 float octave_half(glm::vec3 eye, const model::Bounds& bounds) {
   const glm::vec3 nearest = glm::clamp(eye, bounds.minimum, bounds.maximum);
   const float distance = glm::length(nearest - eye) + 0.5f * bounds.radius();

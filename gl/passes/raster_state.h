@@ -74,7 +74,7 @@ struct RasterState {
   void draw_offsets(std::span<const Draw* const> surfaces);
   void draw_composite(uint32_t radiance_texture, uint32_t transmittance_texture);
   void draw_whole(const WholeTextures& whole);
-  // Keep the draws that follow out of whole pixels, and end that.
+  // Exclude whole pixels from the draws that follow, and include them again.
   void leave_whole_out(const WholeTextures& whole) const;
   void take_whole_in() const;
 

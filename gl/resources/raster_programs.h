@@ -16,7 +16,7 @@ namespace sideray::gl {
 namespace unit {
 inline constexpr uint32_t environment_specular = 0, environment_irradiance = 1, albedo_terms = 2;
 inline constexpr uint32_t directional_shadows = 3, local_shadows = 4;
-inline constexpr uint32_t layer_cache = 5;     // .. 7; in the G-buffer resolve: masks and other results of rays
+inline constexpr uint32_t layer_cache = 5;     // .. 7; the G-buffer resolve reads masks and other results of rays here
 inline constexpr uint32_t material = 8;        // .. 26; the G-buffer resolve and the composite use these too
 inline constexpr uint32_t order_keys = 27;     // of depth peeling, on drivers that have so many units
 inline constexpr uint32_t many_lights = 28;    // for more lights than uniform blocks hold, likewise

@@ -26,7 +26,7 @@ class GatheredMeshes {
   explicit GatheredMeshes(const Functions& gl) : gl_(gl) {}
 
   // Copies as many of these meshes as fit into its memory, from OpenGL 4.3 on. It copies only where more than half are
-  // new, and at most every eighth call, so that meshes whose vertices move each frame cost little: it does not hold
+  // new, and at most every eighth call, so that meshes whose vertices move each frame cost little: it seldom holds
   // them. Throws Failure (OUT_OF_MEMORY).
   void set(std::span<const std::shared_ptr<const model::Mesh>> meshes, InstanceBuffer instances);
   bool holds(const model::Mesh* mesh) const { return places_.contains(mesh); }

@@ -84,7 +84,7 @@ std::vector<uint32_t> CasterChanges::compare(const model::Snapshot& now) const {
   return places;
 }
 
-// Returns the places of instances that wind moved: they are elsewhere where it blows differently.
+// Returns the places of instances whose wind differs from that of the scene before, so that they have moved.
 std::vector<uint32_t> CasterChanges::swaying(const RasterScene& scene) const {
   std::vector<uint32_t> places;
   for (const Draw& draw : scene.opaque()) {

@@ -27,7 +27,7 @@ class LayerCasters {
   bool are_settled(uint32_t first, uint32_t count) const;
   void add_drawn(uint32_t place) { drawn_[place / 64] |= uint64_t{1} << (place % 64); }
   void add_outside(uint32_t place) { outside_[place / 64] |= uint64_t{1} << (place % 64); }
-  // Says that the caster at a place changed or moved: a layer that holds it is forgotten.
+  // Call it where the caster at a place changed or moved: a layer that holds it is forgotten.
   void change(uint32_t place);
 
  private:

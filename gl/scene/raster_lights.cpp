@@ -43,8 +43,8 @@ std::vector<const Draw*> casters_of(const RasterScene& scene) {
   return casters;
 }
 
-// Returns the casters with those first that hide others from the light, since fragments that fail the depth test write
-// nothing. Still casters come before those in wind, since their programs differ.
+// Sorts casters by the distance at which they end, so that those that hide others from the light come first: fragments
+// that fail the depth test write nothing. Still casters precede those in wind, since their programs differ.
 std::vector<const Draw*> by_reach(std::span<const Draw* const> casters, const model::Light& light) {
   std::vector<std::tuple<bool, float, const Draw*>> keyed;
   keyed.reserve(casters.size());

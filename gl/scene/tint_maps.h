@@ -31,7 +31,7 @@ class TintMaps {
   // Removes the maps until the next draw().
   void leave_out();
   bool exist() const { return directional_.texture || local_.texture; }
-  // Is for programs with SR_TINT_MAPS.
+  // Binds the maps for a program with SR_TINT_MAPS.
   void bind(const Program& program, RasterTextures& textures) const;
 
  private:

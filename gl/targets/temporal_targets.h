@@ -26,7 +26,7 @@ class TemporalTargets {
   void forget() { has_past_ = false; }
   // Replaces the history, which must exist, by a picture of its size that has the largest weight.
   void replace(const std::vector<glm::vec4>& picture);
-  // Returns as how many pictures the history counts at least.
+  // Returns the least number of pictures that the history counts as.
   float least_pictures() const { return least_pictures_; }
   bool has_past() const { return has_past_; }
   uint32_t past_picture() const { return pictures_[1 - made_].id(); }
