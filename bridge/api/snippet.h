@@ -1,4 +1,4 @@
-// Returns the text of sideray.glsl for hosts, and whole programs with it. Any thread, no context.
+// Provides the text of sideray.glsl for hosts, and whole programs with it. Any thread, no context.
 #pragma once
 
 #include <sideray/sideray.h>

@@ -19,7 +19,7 @@ struct Inspection {
   // The previous frame of the view is traced again, for its time or for another sample position: no history advances.
   bool redraws = false;
   bool keeps_masks = false;  // with `redraws`: masks are reused, as in a view at rest
-  // The tiles to trace, of layers, and of masks and reflections, in a frame that does not continue; null: all.
+  // In a frame that does not continue: the tiles to trace of layers, and of masks and reflections; null: all.
   std::shared_ptr<const rt::WantedTiles> wanted, wanted_light;
   // Number of frames that a position of a still view has taken under a budget, this one included; 0: other views.
   uint32_t position_frames = 0;

@@ -1,5 +1,5 @@
-// Draws the frames of pictures, and keeps what passes from one frame to the next. There are two: OpenGL with the
-// service's rays beside it (bridge/raster), and rays alone (bridge/rays). One thread at a time.
+// A backend draws the frames of pictures, and keeps what passes from one frame to the next. There are two: OpenGL with
+// the service's rays beside it (bridge/raster), and rays alone (bridge/rays). One thread at a time.
 #pragma once
 
 #include <sideray/renderer.h>

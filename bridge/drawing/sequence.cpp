@@ -24,7 +24,7 @@ bool same_camera(const sideray_camera& a, const sideray_camera& b) {
          a.shift_y == b.shift_y;
 }
 
-// Returns whether the next frame has the layers that a budget left out, so that a position becomes complete in the end.
+// Returns whether the next frame traces the layers that a budget left out, so that a position becomes complete.
 bool keeps_layers(const FramePlan& plan) {
   return !plan.traces || plan.draws_by_rays() || (!plan.composites() && plan.layers.cache_rate == SIDERAY_RATE_FULL);
 }
@@ -65,7 +65,7 @@ std::optional<std::vector<rt::Mover>> movers_between(const PictureInputs& before
   return rt::find_movers(*before.snapshot, *now.snapshot);
 }
 
-// Returns whether so many tiles restart that the whole picture does: then masks gain more from their history.
+// Returns whether so many tiles restart that all do: in a picture restarted as a whole, masks use their history.
 bool are_too_many(const std::vector<uint8_t>& changes) {
   const auto same = static_cast<size_t>(std::ranges::count(changes, tile_unchanged));
   return 4 * same < changes.size();
@@ -137,7 +137,7 @@ void Sequence::begin(const FramePlan& plan, PictureInputs inputs) {
   if (movers && (is_settled_ || still_.has_added()) && repeat(plan, inputs, *movers)) {
     is_kept_ = still_.is_done();
   } else {
-    // The temporal average continues from what the still view had become.
+    // The temporal average continues from the picture that the still view showed last.
     if (averaged_ > 0 && still_.has_added()) backend_.replace_average(still_.shown());
     // A view at rest keeps the random numbers of its first picture.
     still_.restart(rests_for_ == 1 ? plan.seed : still_.seed(), plan.width, plan.height);
@@ -170,7 +170,7 @@ glm::vec2 Sequence::jitter(const FramePlan& plan, uint32_t sample) const {
   return averaged_ == 0 ? glm::vec2(0) : sample_jitter(averaged_ % period, period);
 }
 
-// Returns random numbers of its own for each position.
+// Returns a random seed of its own for each position.
 uint32_t Sequence::seed(const FramePlan& plan, uint32_t sample) const {
   const uint32_t position = adds() ? still_.position() : sample;
   const uint32_t seed = adds() ? still_.seed() : plan.seed;
@@ -185,9 +185,9 @@ void Sequence::show(const FramePlan& plan, const rt::Counters& trace, std::vecto
     colors = whole ? still_.add(colors, average) : still_.wait();
     return;
   }
-  // Even without waiting frames pixels may lack answers, where reprojection did not reach them.
+  // Even if no frames wait, pixels that reprojection did not reach may lack answers.
   is_settled_ = trace.frames_waiting < rests_for_;
-  // Under a budget half of the average or more may still show the view before the change, so that it counts as fewer
+  // Under a budget, half of the average or more may still show the view before the change, so that it counts as fewer
   // positions.
   const uint32_t counts = has_budget(inputs_.options) ? std::min(averaged_ + 1, most_averaged_under_budget) : averaged_ + 1;
   if (plan.averages) still_.begin_with(colors, counts);

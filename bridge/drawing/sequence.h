@@ -36,7 +36,7 @@ class Sequence {
   std::unique_ptr<Picture> done() const;
   // Ends a picture that the next one may continue. After a failure, when it is not called, none can.
   void keep(const FramePlan& plan, gl::FrameBefore frame, const Picture& picture);
-  // Says that another scene is drawn from now on.
+  // Call it where another scene is drawn from now on.
   void forget() { is_kept_ = false; }
 
   const gl::FrameBefore& before() const { return before_; }
@@ -52,7 +52,7 @@ class Sequence {
   bool begins_tiles() const { return still_.adds() && still_.begins_tiles(); }
   // Returns the tiles to draw; null: all. The content of the others does not matter.
   std::shared_ptr<const rt::WantedTiles> wanted(const FramePlan& plan);
-  // Returns those tiles among them that are relit; in the others masks and reflections stay as they are.
+  // Returns the tiles of wanted() that are relit; in its other tiles masks and reflections stay as they are.
   std::shared_ptr<const rt::WantedTiles> wanted_light(const FramePlan& plan);
   // Return the offset of position `sample` from the pixel's centre, in pixels, and its random seed.
   glm::vec2 jitter(const FramePlan& plan, uint32_t sample) const;

@@ -1,5 +1,5 @@
-// Lists names and values of options that earlier versions had, with their replacement or what they are read as. The
-// next version removes the list. Any thread.
+// Lists names and values of options that earlier versions had, each with its replacement, or with the value that it is
+// read as. The next version removes the list. Any thread.
 #pragma once
 
 #include <string>

@@ -12,7 +12,7 @@ namespace {
 
 using Tiles = std::vector<uint8_t>;
 
-// Tiles that filters read beyond a pixel's own: those of masks two, by way of other pixels; those of layers one.
+// The most tiles between a pixel and what its filters read: for masks two, through other pixels; for layers one.
 constexpr uint32_t masks_read = 2, layers_read = 1, bounces_read = 2;
 constexpr double edge = 2.0;  // margin in pixels, for positions within the pixel and for rounding
 
@@ -84,7 +84,7 @@ bool same_maps(const model::Snapshot& a, const model::Snapshot& b) {
 
 // Sets the tiles of sprites on which a box casts a shadow, by shadow maps.
 void add_shadowed_sprites(const ChangedView& v, const model::Bounds& caster, bool all, Tiles& tiles) {
-  constexpr float share = 0.01f;  // for the size of shadow map texels, which grows with the scene
+  constexpr float share = 0.01f;  // for the size of a shadow map's texels, which grows with the scene
   for (const model::Snapshot* snapshot : {&v.before, &v.now})
     for (size_t system = 0; system < snapshot->particles.size(); ++system) {
       model::Bounds box;
@@ -137,7 +137,7 @@ std::vector<uint8_t> tiles_that_see(std::span<const rt::Mover> movers, const Cha
       for (const model::Snapshot* snapshot : {&v.before, &v.now}) add_sprites(v, *snapshot, mover.index, over);
       add_meeting(&rt::TileReach::meets_sprites, mover, by_layers);
     } else if (mover.kind == Kind::light) {
-      // A light's mask does not matter beyond its range.
+      // A light does not change masks beyond its range.
       add_box(v, mover.bounds, shown);
       add_lit_sprites(v, mover.bounds, shown);
       add_meeting(&rt::TileReach::meets_mirrored, mover, by_layers);

@@ -16,7 +16,7 @@ class StillPicture {
 
   // Starts over, for a picture of this size that differs from the last one.
   void restart(uint32_t seed, uint32_t width, uint32_t height);
-  // Says that the last picture is drawn again.
+  // Call it where the last picture is drawn again.
   void repeat();
   // Does the same, but restarts the tiles that have changed (TileChange, of rt::frame_tile_size). Tiles that keep
   // changing are relit in only a few pictures.

@@ -231,7 +231,7 @@ FramePlan plan_parts(const model::Snapshot& snapshot, const RenderOptions& o, Dr
   plan_shown_layers(snapshot, o, plan);
   plan_occlusion(snapshot, o, plan);
   plan_sequence(o, plan);
-  // Frames without rays need no poses, which cost an update. Without OpenGL rays hit each plant as it is drawn.
+  // Frames without rays need no poses, which cost an update. Without OpenGL, rays hit each plant in its drawn pose.
   plan.foliage = plan.uses_rays() && !plan.draws_by_rays() ? plan_foliage(o, method) : as_drawn();
   return plan;
 }

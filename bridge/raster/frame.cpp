@@ -126,7 +126,7 @@ void Frame::start_trace() {
   ticket_ = service_->submit(inputs);
 }
 
-// Waits for what lights opaque pixels; layers are traced while these are lit, unless stages are timed separately.
+// Waits for all that lights opaque pixels, but for layers only where stages are timed separately.
 void Frame::wait_for_light() {
   if (!plan_.uses_rays()) return;
   const uint32_t jobs = timer_.staged()           ? uint32_t{SIDERAY_JOB_ALL}

@@ -83,7 +83,7 @@ rt::OpaqueMaterials RasterBackend::read_gbuffer() {
   return {std::move(images.albedo_metallic), std::move(images.normal_roughness), std::move(images.ids)};
 }
 
-// Counts the traced surfaces; where none are, those that may have layers if hybrid, otherwise all translucent ones.
+// Counts the traced surfaces. If none are traced, counts those that may have layers (hybrid) or all translucent ones.
 std::vector<uint8_t> RasterBackend::count_translucent(const PictureJob& job) {
   const FramePlan& plan = job.plan;
   if (!plan.draws_mask || plan.mask_kind != gl::MaskKind::count) {

@@ -9,7 +9,7 @@ namespace sideray::bridge {
 // more to count.
 void measure(PictureJob& job, Picture& picture);
 
-// Draws and times a picture whose translucent surfaces are a reference in one go: tracing takes so long that the
+// Draws and times in one go a picture whose translucent surfaces are a reference: tracing takes so long that the
 // previous frame and the fences between stages do not matter.
 void draw_timed(PictureJob& job, Picture& picture);
 

@@ -17,7 +17,7 @@ void attach(const gl::Functions& gl, GLenum attachment, const sideray_frame_sour
     gl.FramebufferTexture2D(gl.read_framebuffer, attachment, in.depth_texture_target, in.depth_texture, 0);
 }
 
-// Returns false for a renderbuffer without stencil, which is an error to attach; of a texture, attaching it tells.
+// Returns false for a renderbuffer without stencil, which is an error to attach. A texture is attached to find out.
 bool may_have_stencil(const gl::Functions& gl, const sideray_frame_source& in) {
   if (in.depth_renderbuffer == 0) return true;
   GLint bits = 0;

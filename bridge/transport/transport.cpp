@@ -20,8 +20,8 @@
 namespace sideray::bridge {
 namespace {
 
-// The first round of each way allocates; in drivers the second and third still differ by a few times. The least time of
-// the others counts: other work on the machine only makes a round slower.
+// The first round of each way allocates, and times of the next two may still differ severalfold in drivers. The least
+// time after the first round counts, since other work on the machine only makes a round slower.
 constexpr int rounds = 5;
 constexpr uint64_t second_ns = 1'000'000'000;
 constexpr uint32_t most_upload_texels = 1920 * 1088;
