@@ -29,7 +29,7 @@ struct NamedFile {
   std::string what, path;  // what: the option; path "" = none
 };
 
-// Throws UsageError where two files are the same one, of which at least one is written.
+// Throws UsageError where a file would be written twice, or written and read.
 void require_distinct(const std::vector<NamedFile>& written, const std::vector<NamedFile>& read);
 
 }  // namespace sideray::cli

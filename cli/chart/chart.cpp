@@ -85,7 +85,7 @@ std::vector<Point> Chart::default_points() {
   std::vector<Json> used;
   std::vector<lab::Configuration> distinct;
   for (const lab::Configuration& configuration : sweep.configurations) {
-    // Compares the requested layers: a plan changes their number by the objects that have layers.
+    // Compares the requested numbers of layers, since a plan changes them by the objects that have layers.
     Json config = used_config(resolve_row(options_, configuration, "chart", folder_.row_output(0)), {});
     if (std::find(used.begin(), used.end(), config) != used.end()) continue;
     used.push_back(std::move(config));

@@ -114,7 +114,7 @@ Image LedgerPictures::draw(const Shortcut& other) {
 
 RenderOptions LedgerPictures::reference_options() const {
   Given given = resolve_reference(options_, folder_.path(file_of("reference"))).given;
-  // The reference takes the picture's light transport where the picture has it, and also shadows that are off.
+  // The reference has the picture's light transport where it can, and no shadows if the picture has none.
   const bool mirrors = base_.named.applies("reflections") && session_.plan(base_).run.reflections.value_or(false);
   if (mirrors) given["reflections"] = "on";
   if (base_.named.applies("refraction")) given["refraction"] = base_.named["refraction"];

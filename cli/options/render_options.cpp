@@ -154,7 +154,7 @@ void set_bounds(const Given& given, RenderOptions& result) {
     wrong_usage("--{}: --translucency reference leaves nothing to choose; leave one of them out", bound);
   if (given.contains("budget"))
     wrong_usage("--budget: contradicts --{}, which times whole frames; leave one of them out", bound);
-  // Bounds concern errors against light of one bounce, in which neither has a part.
+  // Bounds are on errors against light of one bounce, which has neither ambient occlusion nor such reflections.
   for (const char* name : {"ambient", "reflections"})
     if (result.named[name] == "auto") result.named.set(name, "off");
 }

@@ -40,7 +40,7 @@ Shard shard_among(const char* name, uint32_t first, uint32_t count) {
   return {id - first, count};
 }
 
-// Refuses lists such as 2,5: their smallest number and count do not tell what is between.
+// Refuses lists such as 2,5: the smallest number and the count do not tell which numbers are between.
 Shard slurm_shard(std::optional<uint32_t> count) {
   if (count) return shard_among(slurm_id, 0, *count);
   const uint32_t id = number_in(slurm_id, 0), first = number_in("SLURM_ARRAY_TASK_MIN", 0),

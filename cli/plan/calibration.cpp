@@ -231,7 +231,7 @@ lab::Look Calibration::look(const RenderOptions& options) {
   return look;
 }
 
-// Returns the time of a frame with readback, which is the same for all: the least of as many as fit `look_ms`.
+// Returns the least time of as many frames as fit `look_ms`, with readback, which takes the same time for all options.
 double Calibration::draw_ms(const RenderOptions& options, lab::FrameSize size) {
   double least = std::numeric_limits<double>::infinity(), sum = 0;
   for (uint32_t n = 0; n < most_look_repeats && sum < look_ms; ++n) {

@@ -20,7 +20,7 @@ class Calibration {
   // Measures a frame with these options; in a sequence, the second one. `options` must not be a reference. Work and
   // times are those of one camera position, whatever `--samples` says.
   lab::Probe probe(const RenderOptions& options);
-  // Times the whole frame that `foretold_ms` predicts; returns that where the probe's larger frame is the whole one.
+  // Times the whole frame; returns its prediction `foretold_ms` if the probe's larger frame was the whole one already.
   double drawn_ms(const RenderOptions& options, double foretold_ms);
   // Measures only the smaller frame: its time, and where possible its mean FLIP against the reference of the options
   // that the calibration was made with.

@@ -14,8 +14,8 @@ class SequenceStats {
  public:
   explicit SequenceStats(std::string path) : path_(std::move(path)) {}
 
-  // Takes the file's lines of frames that `is_there` accepts; skips others, cut off or of missing frames. Throws Error
-  // where the file cannot be read.
+  // Takes those lines of the file whose frames `is_there` accepts; skips lines that are cut off or of other frames.
+  // Throws Error where the file cannot be read.
   void restore(const std::function<bool(uint32_t)>& is_there);
 
   bool has(uint32_t frame) const { return lines_.contains(frame); }

@@ -26,7 +26,7 @@ nlohmann::ordered_json stats_json(const RenderOptions& options, const RenderRun&
 // Returns "choice" of statistics and plans (docs/cli.md).
 nlohmann::ordered_json choice_json(const ChoiceSummary& choice);
 
-// Returns whether raw frames are the unit of the stage, which lasts as long as rays and their results do.
+// Returns whether the stage is also stated in raw frames, because its time is that of rays or of their results.
 bool is_of_rays(const sideray_stage_time& time);
 
 }  // namespace sideray::cli

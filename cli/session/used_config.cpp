@@ -32,7 +32,7 @@ Json found(const RenderOptions& options, const RenderRun& run) {
   if (run.device.gl) json["gl"] = run.device.gl;
   if (run.device.id) json["device"] = run.device.id;
   if (run.stats.threads != 0) json["threads"] = run.stats.threads;
-  // Layers are those that the plan uses; surfaces along a ray are a limit, whatever there is to hit.
+  // States as many layers as the plan uses. The surfaces along a ray are a limit, whatever there is to hit.
   if (run.layers && options.is_hybrid()) json["layers"] = *run.layers;
   if (run.ray_reuse && options.named["ray-reuse"] == "auto")
     json["ray-reuse"] = value_of(fmt::format("{}", static_cast<double>(*run.ray_reuse)));
