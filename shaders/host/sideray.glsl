@@ -704,7 +704,7 @@ SiderayMaskPlace sideray_find_masks(vec3 previous_world_position) {
   return sideray_find_masks_on(previous_world_position, normal);
 }
 
-// Reads a pixel, its right neighbour, the one above, and the one above that; coordinates are clamped.
+// Reads the square of four pixels whose lower left one is `pixel`: the lower row, then the upper. Clamps coordinates.
 vec4 sideray_four_texels(sampler2DArray masks, ivec2 pixel, int layer) {
   vec2 last = sideray_mask_size - 1.0;
   ivec2 low = ivec2(clamp(vec2(pixel), vec2(0.0), last)), high = ivec2(clamp(vec2(pixel) + 1.0, vec2(0.0), last));

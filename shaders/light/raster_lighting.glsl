@@ -202,7 +202,7 @@ uniform sampler2DArray directional_tints, local_tints;  // rgb: optical depth; w
 uniform ivec2 tint_maps_of;                             // which of the two exist
 uniform bool tints_reversed;
 
-// Returns the tint at a distance from the light: behind the first translucent surface of a texel, all of them count.
+// Returns the tint at a distance from the light: none in front of a texel's first surface, behind it that of all.
 vec3 tint_from(sampler2DArray map, vec2 uv, float layer, float away) {
   ivec2 last = textureSize(map, 0).xy - 1;
   vec2 at = uv * vec2(last + 1) - 0.5;
@@ -283,7 +283,7 @@ vec3 irradiance_about(vec3 normal) {
   return textureLod(environment_irradiance, sr_latlong(normal), 0.0).xyz;
 }
 
-// Returns the environment's irradiance over pi, with its occluders where masks tell them.
+// Returns the irradiance over pi from the environment, with its occluders and their light where masks know them.
 vec3 sky_light(vec3 normal, vec3 albedo) {
   vec3 from_here = irradiance_about(normal);
 #ifdef SR_MASKS

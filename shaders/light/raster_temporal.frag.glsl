@@ -12,7 +12,7 @@ uniform sampler2D history_picture;   // linear
 uniform sampler2D history_state;
 uniform sampler2D gbuffer_depth;
 uniform bool has_history;
-uniform float least_pictures;        // that the history averages at least
+uniform float least_pictures;        // number of pictures in the history, at least
 uniform bool reversed_depth;
 uniform vec2 clip_z_from_depth;             // factor, offset
 uniform vec4 distance_now, distance_before;  // in clip space: distance along the axis of the view, times `share`

@@ -331,9 +331,9 @@ SR_FN real sr_look_up_roughness(SrSurface s) {
   return s.roughness;
 }
 
-// Returns the normal for lookups of a brushed lobe in the prefiltered environment: bent toward the eye within the plane
-// across `along`, the more the lobe is longer than broad. It is the approximation of the extension's sample viewer:
-// round prefiltered lobes cannot be long.
+// Returns the normal for lookups of a brushed lobe in the prefiltered environment: bent toward the eye in the plane
+// across `along`, more the longer the lobe is. It is the approximation of the extension's sample viewer: round
+// prefiltered lobes cannot be long.
 SR_FN real3 sr_bent(SrSurface s, real3 to_eye) {
   real3 across = cross(s.normal, s.along);
   real3 bent = cross(cross(across, to_eye), across);

@@ -50,7 +50,7 @@ SR_FN real sr_sprite_level(real2 texels, real2 size, real pixel, real last_level
 }
 
 // Returns where to read a flip-book at `corner` of a cell (0..1 each way, from the top left): at least half a texel of
-// the coarser of the two mip levels away from the next cell, so that none of that is mixed in.
+// the coarser of the two mip levels away from the next cell, so that its texels are not mixed in.
 SR_FN real2 sr_sprite_place(real2 corner, real2 cell, real2 cells, real2 texels, real level) {
   real half_texel = 0.5f * exp2(ceil(level));
   real inset_x = min(half_texel, 0.5f * texels.x), inset_y = min(half_texel, 0.5f * texels.y);
