@@ -156,7 +156,7 @@ void apply_fixed_material(const sideray_fixed_material& fixed, Material& materia
   material.without_vertex_alpha = replaces || (!material.desc.unlit && !(fixed.follows_color & SIDERAY_FOLLOW_DIFFUSE));
   material.without_texel_alpha = decal;
   if (!material.without_vertex_alpha && !material.desc.unlit) material.desc.base_color[3] = 1.0f;
-  // These textures' rows hold the vertices' colours.
+  // Hits hold the vertices' colours in these textures' rows.
   material.desc.diffuse_transmission_texture.texture = material.desc.diffuse_transmission_color_texture.texture = 0;
 }
 
