@@ -150,7 +150,7 @@ DeviceList devices() {
   return DeviceList(list);
 }
 
-// The rows of every command that has a table, in the order of its help.
+// Returns the table of every command that has one, in the order of the help.
 std::vector<std::pair<const char*, const Table*>> tables() {
   return {{"render", &render_table()}, {"bench", &bench_table()},   {"chart", &chart_table()},
           {"stress", &stress_table()}, {"plan", &plan_table()},     {"view", &view_table()}, {"compare", &comparison_table()},
@@ -202,7 +202,7 @@ int run_devices(bool as_json) {
     entry["reason"] = d.reason ? d.reason : "";
     list.push_back(std::move(entry));
   }
-  // Needs no device, and is always there.
+  // Rays alone are always listed, since they need no device.
   list.push_back({{"id", "none"}, {"gl", "none"}, {"renderer", "rays alone"}, {"usable", true}, {"reason", ""}});
   fmt::print("{}\n", as_json ? list.dump(2) : std::string("none\n  usable: rays alone draw by --gl none"));
   return exit_ok;
@@ -210,7 +210,7 @@ int run_devices(bool as_json) {
 
 }  // namespace
 
-// The arguments are filled while the program parses, after these functions returned: each command's Run owns them.
+// Each command's Run owns its arguments: they are filled while the program parses, after these functions returned.
 
 Command add_render(CLI::App& program) {
   auto arguments = std::make_shared<RenderArguments>();

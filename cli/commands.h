@@ -1,4 +1,4 @@
-// The commands of `sideray`: each adds itself to the program and says what runs when it was chosen. Main thread.
+// The commands of `sideray`: each adds itself to the parser and returns what to run when it is chosen. Main thread.
 #pragma once
 
 #include <functional>

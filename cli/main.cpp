@@ -1,4 +1,4 @@
-// The program: options, then run, then exit code.
+// The program: reads options, runs the command, returns the exit code.
 #include <sideray/sideray.h>
 #include <CLI/CLI.hpp>
 
@@ -36,10 +36,10 @@ std::vector<Command> add_commands(CLI::App& program) {
           add_option_list(program)};
 }
 
-// Says what to write instead of the first option that version 0.2 had and the command has not. Throws UsageError.
+// Names the replacement of the first option that only version 0.2 had. Throws UsageError.
 void refuse_removed(const CLI::App& program, int argc, char** argv) {
   const std::vector<CLI::App*> commands = program.get_subcommands();
-  // Other commands never had options of pictures.
+  // Only commands that draw had such options.
   if (commands.empty() || !commands.front()->get_option_no_throw("--diagnose")) return;
   for (const std::string argument : std::span(argv, static_cast<size_t>(argc)).subspan(1)) {
     if (!argument.starts_with("--")) continue;
@@ -72,7 +72,7 @@ void print_output_error(int reason) {
       fmt::format("standard output: {}; free space or redirect elsewhere", std::strerror(reason != 0 ? reason : EIO)));
 }
 
-// A full disk shows where what is buffered goes out: at the end, or in a print of much.
+// Flushes output, where a full disk may show only now, and returns the exit code.
 int checked_output(int exit_code) {
   errno = 0;
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exit_code;
@@ -80,7 +80,7 @@ int checked_output(int exit_code) {
   return exit_failed;
 }
 
-// Prints a line without taking memory, for where there is none.
+// Prints a line without allocating, for when there is no memory.
 void print_fixed(const char* line) {
   (void)!::write(STDERR_FILENO, line, std::strlen(line));
 }
@@ -88,8 +88,8 @@ void print_fixed(const char* line) {
 constexpr const char* no_memory =
     "sideray: memory: this machine has not enough for the picture or scene; make it smaller\n";
 
-// Ends the program where no handler catches an exception: what must not throw, such as a destructor, needed memory, or
-// there was none for the exception itself. An output file is renamed last, so that it is still the old one.
+// Ends the program where no handler catches an exception: code that must not throw, such as a destructor, ran out of
+// memory, or the exception itself did. Output files are renamed last, so that the old ones are still there.
 [[noreturn]] void end_by_exit_code() {
   const std::type_info* const type = abi::__cxa_current_exception_type();
   if (!type || *type == typeid(std::bad_alloc)) {
@@ -102,7 +102,7 @@ constexpr const char* no_memory =
   ::_exit(exit_failed);
 }
 
-// Comes before the constructors of all libraries, which may want memory too.
+// Runs before the constructors of all libraries, which may also need memory.
 void prepare() {
   std::set_terminate(end_by_exit_code);
 }

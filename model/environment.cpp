@@ -29,7 +29,7 @@ glm::vec3 direction_of(float u, float v) {
   return {elementary::sin(polar) * elementary::sin(azimuth), elementary::cos(polar), -elementary::sin(polar) * elementary::cos(azimuth)};
 }
 
-// Four floats; a texel takes three: the compiler computes them at once.
+// Four floats, of which a texel uses three: the compiler computes them at once.
 using Four = float __attribute__((vector_size(16)));
 
 struct Texels {
@@ -56,7 +56,7 @@ Four sample(const Texels& image, glm::vec2 uv) {
   const int w = static_cast<int>(image.width), h = static_cast<int>(image.height);
   int i = static_cast<int>(fx);
   const int j = static_cast<int>(fy);
-  if (i < 0 || i >= w) i = ((i % w) + w) % w;  // rare: divisions would take a quarter of the time
+  if (i < 0 || i >= w) i = ((i % w) + w) % w;  // rarely needed: divisions would take a quarter of the time
   const int next = i + 1 == w ? 0 : i + 1;
   const Four* above = &image.values[static_cast<size_t>(std::clamp(j, 0, h - 1)) * image.width];
   const Four* below = &image.values[static_cast<size_t>(std::clamp(j + 1, 0, h - 1)) * image.width];
@@ -109,8 +109,8 @@ struct LobeSample {
   float weight, level;
 };
 
-// Samples the GGX lobe around the mirror direction n = v (Karis 2013), each sample read at the level whose texel covers
-// the solid angle that the sample stands for (Krivanek and Colbert 2008), which keeps 64 samples free of noise.
+// Samples the GGX lobe around the mirror direction n = v (Karis 2013). Each sample reads the level whose texels match
+// the sample's solid angle (Krivanek and Colbert 2008), which keeps 64 samples free of noise.
 std::vector<LobeSample> lobe_samples(const Texels& source, float roughness) {
   const float alpha = std::max(roughness * roughness, 1e-3f);
   const float texel_solid_angle =
@@ -128,8 +128,8 @@ std::vector<LobeSample> lobe_samples(const Texels& source, float roughness) {
   return samples;
 }
 
-// Reads one level for all texels of a row of the filtered image: their lobes differ by a turn about the vertical axis alone,
-// so that each reads the same two rows of the source, further to the right.
+// Describes how one lobe direction reads a level for all texels of a row: their lobes differ only by a rotation about
+// the vertical axis, so that each reads the same two rows of the source, further to the right.
 struct RowRead {
   const Four *above, *below;  // rows of the source
   float down;                 // share of the lower one
@@ -153,7 +153,7 @@ void add_row(std::vector<Four>& sums, const RowRead& read) {
   }
 }
 
-// `turn`: of the direction that the first texel reads, from 0 to 1.
+// `turn`: horizontal position that the first texel reads, from 0 to 1.
 RowRead row_read(const Texels& level, float turn, float v, size_t texels, float weight) {
   const float y = v * static_cast<float>(level.height) - 0.5f, row = std::floor(y);
   const int last = static_cast<int>(level.height) - 1, j = static_cast<int>(row);
@@ -164,7 +164,7 @@ RowRead row_read(const Texels& level, float turn, float v, size_t texels, float 
           level.width, weight};
 }
 
-// Reads the level between levels that a sample asks for, with u wrapped and v clamped, as the GL sampler of these images does.
+// Adds a sample, between mip levels, with u wrapped and v clamped, as the GL sampler of these images does.
 void add_sample(std::vector<Four>& sums, const std::vector<Texels>& source, const LobeSample& sample, glm::vec2 uv) {
   const float turn = uv.x - std::floor(uv.x), top = static_cast<float>(source.size() - 1);
   const float level = std::clamp(sample.level, 0.0f, top);
@@ -175,8 +175,8 @@ void add_sample(std::vector<Four>& sums, const std::vector<Texels>& source, cons
     add_row(sums, row_read(source[finer + 1], turn, uv.y, sums.size(), sample.weight * share));
 }
 
-// Filters one row. The frame of its lobes follows the meridian, so that one direction's trigonometry serves all texels
-// and a turned environment becomes a turned picture.
+// Filters one row. The frame of its lobes follows the meridian, so that all texels share the trigonometry of a
+// direction, and a rotated environment gives a rotated picture.
 void prefilter_row(const std::vector<Texels>& source, const std::vector<LobeSample>& samples, float v,
                    std::span<glm::vec3> row) {
   const float u = 0.5f / static_cast<float>(row.size()), polar = v * glm::pi<float>();
@@ -202,8 +202,8 @@ Image prefiltered_level(const std::vector<Texels>& source, uint32_t level, float
   return image;
 }
 
-// Adds up the light of one row of the irradiance image. Each direction is added to all texels before the next, so that
-// the compiler computes several texels at a time.
+// Sums the light of one row of the irradiance image. Adds each direction to all texels before the next one, so that the
+// compiler computes several texels at a time.
 class IrradianceRow {
  public:
   explicit IrradianceRow(uint32_t y) {
@@ -227,7 +227,7 @@ class IrradianceRow {
     }
   }
 
-  // Floats are added up over one row of the source alone, so that they stay exact enough.
+  // Sums floats over only one row of the source, which keeps them exact enough.
   void end_row() {
     for (uint32_t x = 0; x < irradiance_width; ++x) {
       sum_.red[x] += double{part_.red[x]};
@@ -238,7 +238,7 @@ class IrradianceRow {
     part_ = {};
   }
 
-  // The sum is divided by the weight rather than by pi: a constant environment comes back exactly.
+  // Divides by the weight instead of pi, so that a constant environment comes back exactly.
   glm::vec3 mean(uint32_t x) const {
     return glm::dvec3(sum_.red[x], sum_.green[x], sum_.blue[x]) / sum_.weight[x];
   }
@@ -283,7 +283,7 @@ Image irradiance_image(const std::vector<Image>& source) {
   return image;
 }
 
-// Returns the mean of the radiance over all directions and channels: that of E / pi over all normals is the same.
+// Returns the mean radiance over all directions and channels, which equals the mean of E / pi over all normals.
 float mean_radiance(const Image& irradiance) {
   double sum = 0.0, weights = 0.0;
   for (uint32_t y = 0; y < irradiance.height; ++y) {

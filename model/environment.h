@@ -13,7 +13,7 @@ namespace sideray::model {
 std::shared_ptr<const Environment> build_environment(uint32_t width, uint32_t height, const float* rgb, float scale,
                                                      float rotation_deg);
 
-// Converts linear radiance to what a host works in. Values below 0 count as 0. sRGB and gamma go on above 1 as below.
+// Converts linear radiance to a host's space. Values below 0 count as 0; sRGB and gamma continue above 1.
 inline float encode_radiance(float x, sideray_radiance_space space, float scale) {
   const float scaled = std::max(x, 0.0f) * scale;
   if (space == SIDERAY_SPACE_GAMMA22) return elementary::pow(scaled, 1.0f / 2.2f);
@@ -22,7 +22,7 @@ inline float encode_radiance(float x, sideray_radiance_space space, float scale)
   return scaled;
 }
 
-// Returns the environment as pictures of a space hold it.
+// Returns the environment with radiance encoded for a space.
 std::shared_ptr<const Environment> encoded_environment(const Environment& linear, sideray_radiance_space space);
 
 }  // namespace sideray::model

@@ -1,4 +1,4 @@
-// Carries a failure inside the library: it is thrown where it is found, and turned into a status at the C border. Any
+// Carries a failure inside the library, from where it is found to the C border, which turns it into a status. Any
 // thread may throw it.
 #pragma once
 

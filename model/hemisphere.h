@@ -30,7 +30,7 @@ inline glm::vec3 sample_ggx(glm::vec2 point, float alpha) {
   return {sine * elementary::cos(azimuth), sine * elementary::sin(azimuth), cosine};
 }
 
-// Describes a point that is evenly spread over the unit disc where u is over the square.
+// Maps a point of the unit square to the unit disc; an even distribution stays even.
 struct DiscPoint {
   float radius, cosine, sine;
   explicit DiscPoint(glm::vec2 u)
@@ -39,8 +39,8 @@ struct DiscPoint {
         sine(elementary::sin(glm::two_pi<float>() * u.y)) {}
 };
 
-// Samples the microfacets' normals that `to_eye` sees (Heitz 2018, "Sampling the GGX Distribution of Visible Normals").
-// to_eye.z > 0; two alphas are those along x and y.
+// Samples normals of microfacets that `to_eye` sees (Heitz 2018, "Sampling the GGX Distribution of Visible Normals").
+// to_eye.z > 0; two alphas are along x and y.
 struct VisibleNormals {
   glm::vec3 v, t1, t2;
   glm::vec2 alpha;

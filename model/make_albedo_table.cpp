@@ -1,5 +1,5 @@
-// Writes model::albedo_table() as a source file: make_albedo_table OUT.cpp. The build runs it once, because the integrals
-// took as long as everything else of a small picture together.
+// Writes model::albedo_table() as a source file: make_albedo_table OUT.cpp. The build runs it once, because the
+// integrals took as long as everything else in a small picture.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -13,18 +13,18 @@ namespace {
 
 constexpr uint32_t samples = 4096;
 
-// Both ends are entries: roughness 1, which most rough materials have, is where albedos fall fastest.
+// Includes both ends: albedos fall fastest at roughness 1, which most rough materials have.
 float value_at(uint32_t entry) {
   return static_cast<float>(entry) / (AlbedoTable::size - 1);
 }
 
-// At a right angle there are no visible normals.
+// Limits the cosine, since at a right angle there are no visible normals.
 float cosine_of(uint32_t column) {
   return std::max(value_at(column), 1e-3f);
 }
 
-// Holds one of the directions that the sheen lobe is summed over, spread evenly over the hemisphere, as the lobe is
-// strong near the horizon: the same for all entries.
+// Holds a direction of the sum over the sheen lobe. All entries use the same ones, spread evenly over the hemisphere,
+// as the lobe is strong near the horizon.
 struct Direction {
   double x, y, z;
 };
@@ -51,8 +51,8 @@ const std::vector<DiscPoint>& disc_points() {
   return points;
 }
 
-// Returns scale and bias on f0 and f90 of the lobe's directional albedo (Karis 2013), height-correlated Smith as in
-// shading.h, over the normals that the eye sees: what remains to be averaged is smooth.
+// Returns scale and bias on f0 and f90 of the lobe's directional albedo (Karis 2013), with height-correlated Smith as
+// in shading.h. Samples the normals that the eye sees, which leaves a smooth integrand.
 glm::vec2 integrate(float n_v, float roughness) {
   const double alpha = std::max(roughness, 0.04f) * std::max(roughness, 0.04f), alpha2 = alpha * alpha, v = n_v;
   const glm::dvec3 to_eye(std::sqrt(1.0 - v * v), 0.0, v);
@@ -73,7 +73,7 @@ glm::vec2 integrate(float n_v, float roughness) {
 }
 
 // Returns the albedo of the sheen lobe as in shading.h, for all roughnesses of a column: distribution of Estevez and
-// Kulla 2017, visibility of Neubelt and Pettineo 2013. For a direction, only the power of the half vector's sine
+// Kulla 2017, visibility of Neubelt and Pettineo 2013. In each direction, only the power of the half vector's sine
 // depends on the roughness.
 std::array<float, AlbedoTable::size> integrate_sheen(float n_v) {
   const double v = n_v, to_eye_x = std::sqrt(1.0 - v * v);
@@ -104,7 +104,7 @@ std::vector<glm::vec3> integrate_all() {
   return values;
 }
 
-// Writes floats in hexadecimal, so that none of their bits is lost.
+// Writes floats in hexadecimal, so that no bits are lost.
 bool write_source(const char* path) {
   std::FILE* file = std::fopen(path, "w");
   if (!file) return false;

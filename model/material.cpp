@@ -9,7 +9,7 @@
 namespace sideray::model {
 namespace {
 
-// Factors are at most this, so that their products stay in the range of floats.
+// Limits factors, so that their products stay in the range of floats.
 constexpr float largest_factor = 1e15f;
 
 void require(bool condition, const char* what, double value, const char* range) {
@@ -37,7 +37,7 @@ float lowest_roughness(const sideray_material_desc& d, const Texture* metallic_r
   return d.roughness * (metallic_roughness ? static_cast<float>(metallic_roughness->minimum_green) / 255.0f : 1.0f);
 }
 
-// Returns whether an alpha below the threshold can occur at all.
+// Returns whether an alpha below the threshold can occur.
 bool can_discard(const sideray_material_desc& d, const Texture* base_color) {
   if (d.alpha_mode == SIDERAY_OPAQUE) return false;
   if (d.alpha_mode == SIDERAY_MASK) return true;
@@ -156,7 +156,7 @@ void apply_fixed_material(const sideray_fixed_material& fixed, Material& materia
   material.without_vertex_alpha = replaces || (!material.desc.unlit && !(fixed.follows_color & SIDERAY_FOLLOW_DIFFUSE));
   material.without_texel_alpha = decal;
   if (!material.without_vertex_alpha && !material.desc.unlit) material.desc.base_color[3] = 1.0f;
-  // Their rows hold the vertices' colours.
+  // Hits hold the vertices' colours in these textures' rows.
   material.desc.diffuse_transmission_texture.texture = material.desc.diffuse_transmission_color_texture.texture = 0;
 }
 
@@ -174,7 +174,7 @@ bool has_volume(const sideray_material_desc& d) {
 }
 
 bool bends_light(const sideray_material_desc& d) {
-  // Below this roughness a thin wall shows what is behind it in its place, and stays one of several layers.
+  // Below this roughness a thin wall shows what is straight behind it, and stays one of several layers.
   constexpr float clear = 0.1f;
   if (has_volume(d)) return d.ior != 1.0f;
   return d.transmission > 0.0f && d.metallic < 1.0f && d.roughness > clear;

@@ -1,4 +1,4 @@
-// Derives values from a material, in one place for rasterizer, tracer, plan and hosts. Any thread may call it.
+// Derives values of a material, for rasterizer, tracer, plan and hosts. Any thread may call it.
 #pragma once
 
 #include <sideray/renderer.h>
@@ -12,51 +12,50 @@ namespace sideray::model {
 // Returns a white, rough, opaque material of ior 1.5 without textures: sideray_material_init.
 sideray_material_desc default_material();
 
-// Throws Failure (INVALID_ARGUMENT) that names the field. Whether its textures exist is checked by the scene.
+// Throws Failure (INVALID_ARGUMENT) that names the field. The scene checks whether its textures exist.
 void check_material(const sideray_material_desc& desc);
 
-// The same of the fixed function's numbers: colours, and exponents of highlights and spots.
+// Do the same for values of the fixed function: colours, and exponents of highlights and spots.
 void check_fixed_color(const float (&color)[3], const char* what);
 void check_fixed_exponent(float exponent, const char* what);
 void check_fixed_material(const sideray_fixed_material& material);
-// Returns what is read of a material that was never given any: its base colour is lit, and its emissive colour added.
+// Returns the default for a material without one: lit by its base colour, plus its emissive colour.
 sideray_fixed_material fixed_material_of(const sideray_material_desc& desc);
-// Sets what the fixed function makes of the material's alpha, and takes away textures that it does not read.
+// Sets how the fixed function treats the material's alpha, and removes textures that it does not read.
 void apply_fixed_material(const sideray_fixed_material& fixed, Material& material);
 
-// Returns whether its surfaces are drawn as translucent ones: BLEND, or transmission above 0.
+// Returns whether surfaces are drawn as translucent ones: BLEND, or transmission above 0.
 bool is_translucent(const sideray_material_desc& desc);
-// Returns whether the surfaces of an instance take from light that goes through them to what is behind: the shadow of glass.
-// What is unlit glows, additive surfaces take nothing, sprites throw no shadows, and wind moves surfaces after shadows are
-// kept.
+// Returns whether the surfaces of an instance tint the light that passes them: coloured shadows. Unlit surfaces emit,
+// additive ones take nothing away, sprites cast no shadows, and wind moves surfaces after shadows are cached.
 bool tints_light(const Material& material, const Instance& instance);
-// Returns whether its surfaces enclose a medium where their mesh is closed.
+// Returns whether surfaces enclose a medium if their mesh is closed.
 bool has_volume(const sideray_material_desc& desc);
 
-// Returns whether a surface of the material bends light that comes from the air, or blurs what is seen through it.
+// Returns whether a surface bends light from the air, or blurs what is seen through it.
 bool bends_light(const sideray_material_desc& desc);
 
-// Returns the least alpha that base colour and texture give; null = it has no texture.
+// Returns the lowest alpha of base colour times texture; null = no texture.
 float lowest_alpha(const sideray_material_desc& desc, const Texture* base_color);
-// Alphas below this are discarded where surfaces blend.
+// Surfaces that blend discard alphas below this.
 inline constexpr float least_blended_alpha = 1.0f / 255.0f;
 
-// Makes the material that a snapshot holds, with the same texture slots. Textures that are not there are null.
+// Makes the material of a snapshot, with the same texture slots. Missing textures are null.
 Material make_material(const sideray_material_desc& desc, const Texture* base_color, const Texture* metallic_roughness);
 
-// Returns by how much the index of red light is below `ior` and that of blue light above: 20 / dispersion is the Abbe
+// Returns by how much the index of red light is below `ior`, and that of blue light above: 20 / dispersion is the Abbe
 // number (KHR_materials_dispersion).
 float index_spread(const sideray_material_desc& desc);
 
-// Returns the absorption by Beer and Lambert: white light keeps attenuation_color after attenuation_distance. A channel
-// that lets nothing through is taken as one that lets a millionth through.
+// Returns the absorption by Beer and Lambert: white light becomes attenuation_color after attenuation_distance. A
+// channel of 0 counts as a millionth.
 glm::vec3 absorption(const sideray_material_desc& desc);
 
-// Opaque surfaces up to this roughness mirror what rays hit; from two thirds of it on the prefiltered environment takes
-// over.
+// Opaque surfaces up to this roughness reflect by rays; from two thirds of it on the prefiltered environment gradually
+// replaces them.
 inline constexpr float most_mirrored_roughness = 0.5f;
-// Returns whether the shadow rays of its opaque surfaces take the inexact test. `wind` is as in Instance. Leaves are
-// modelled as two-sided foliage: cut out of cards that are seen from both sides.
+// Returns whether shadow rays of its opaque surfaces take the inexact test. `wind` is as in Instance.
+// SIDERAY_TARGET_MODEL finds foliage by how leaves are modelled: cut out of cards that are seen from both sides.
 bool takes_inexact(const Material& material, uint32_t wind, sideray_inexact_target target);
 
 }  // namespace sideray::model

@@ -36,7 +36,7 @@ glm::vec4 read_bytes(const sideray_mesh_desc& d, size_t vertex) {
   return d.color_bytes_bgra ? glm::vec4(color.z, color.y, color.x, color.w) : color;
 }
 
-// The range holds for attributes as for coordinates: products of two stay inside the range of floats.
+// Limits attributes like coordinates, so that products of two stay in the range of floats.
 template <int N>
 bool in_range(const Vector<N>& v) {
   for (int i = 0; i < N; ++i)
@@ -81,7 +81,7 @@ uint32_t corners_of(sideray_topology topology) {
 }
 
 void check_topology(const sideray_mesh_desc& d) {
-  int topology;  // of a C host, be it none of the enumeration's values
+  int topology;  // from a C host, so it may be no value of the enumeration
   std::memcpy(&topology, &d.topology, sizeof(topology));
   if (topology < SIDERAY_TRIANGLES || topology > SIDERAY_POINTS)
     fail(SIDERAY_INVALID_ARGUMENT, "mesh topology {}: give a sideray_topology", topology);
@@ -102,7 +102,7 @@ void check(const sideray_mesh_desc& d) {
     fail(SIDERAY_INVALID_ARGUMENT, "mesh indices: NULL, although index_count is {}", d.index_count);
 }
 
-// Returns the vertices of a primitive, of which lines and points repeat the last one.
+// Returns the vertices of a primitive; lines and points repeat the last one.
 glm::uvec3 corner_indices(const sideray_mesh_desc& d, uint32_t primitive) {
   const uint32_t corners = corners_of(d.topology);
   glm::uvec3 indices;
@@ -148,7 +148,7 @@ void select_triangles(const sideray_mesh_desc& d, Mesh& mesh) {
   if (source.size() != count) mesh.source_primitive = std::move(source);
 }
 
-// Prepares flat shading: every corner becomes a vertex of its own with its triangle's normal.
+// Prepares flat shading: every corner becomes a vertex with the normal of its triangle.
 void split_into_flat_triangles(Mesh& mesh) {
   Mesh flat = mesh;
   const size_t corners = mesh.triangles.size() * 3;
@@ -166,14 +166,14 @@ void split_into_flat_triangles(Mesh& mesh) {
     flat.triangles[i] = {3 * i, 3 * i + 1, 3 * i + 2};
     const glm::dvec3 a(flat.positions[3 * i]), b(flat.positions[3 * i + 1]), c(flat.positions[3 * i + 2]);
     const glm::dvec3 across = glm::cross(b - a, c - a);
-    // A triangle lacks area only where its vertices were moved so.
+    // A triangle lacks area only if its vertices were moved that way.
     const glm::vec3 n(glm::dot(across, across) > 0.0 ? glm::normalize(across) : glm::dvec3(0, 0, 1));
     for (uint32_t k = 0; k < 3; ++k) flat.normals[3 * i + k] = n;
   }
   mesh = std::move(flat);
 }
 
-// Derives per-vertex tangents from uv gradients (Lengyel's accumulation), for meshes that bring none.
+// Derives per-vertex tangents from uv gradients (Lengyel's accumulation), for meshes without tangents.
 void derive_tangents(Mesh& mesh) {
   std::vector<glm::vec3> along_u(mesh.positions.size(), glm::vec3(0)), along_v(mesh.positions.size(), glm::vec3(0));
   for (const glm::uvec3& t : mesh.triangles) {
@@ -202,7 +202,7 @@ void normalize_normals(Mesh& mesh) {
   }
 }
 
-// Fills all but positions and triangles, which the mesh has.
+// Fills everything but positions and triangles, which the mesh already has.
 void fill_attributes(const sideray_mesh_desc& d, Mesh& mesh) {
   mesh.normals = read_all<3>(d.normals, d.vertex_count, glm::vec3(0, 0, 1));
   mesh.tangents = read_all<4>(d.tangents, d.vertex_count, glm::vec4(0));

@@ -7,7 +7,7 @@
 
 namespace sideray::model {
 
-// Both throw Failure (INVALID_ARGUMENT) and name what is wrong. Whether the texture exists is checked by the scene.
+// Throw Failure (INVALID_ARGUMENT) that names the fault. The scene checks whether the texture exists.
 void check_particles(const sideray_particles_desc& desc);
 void check_sprites(const sideray_sprite* sprites, size_t count);
 

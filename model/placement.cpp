@@ -11,10 +11,10 @@
 namespace sideray::model {
 namespace {
 
-// Factors and intensities are at most this, so that their products stay in the range of floats.
+// Limits factors and intensities, so that their products stay in the range of floats.
 constexpr float largest_factor = 1e15f;
 constexpr double origin_step = 1024.0;
-constexpr float shines_all_around = -2.0f;  // below each cosine
+constexpr float shines_all_around = -2.0f;  // below every cosine
 
 glm::dmat4x3 affine(const double* columns) {
   glm::dmat4x3 m;
@@ -34,9 +34,9 @@ Bounds transformed(const Bounds& bounds, const glm::mat4x3& m) {
   return result;
 }
 
-// The inverse transpose of a linear map, for directions that are normalized afterwards: scaled by a power of two, which
-// changes no direction, so that its largest entry is near 1. Thin shapes have entries beyond the range of floats
-// otherwise, and infinity times 0 is NaN in every normal.
+// Returns the inverse transpose of a linear map, for directions that are normalized later. It is scaled by a power of
+// two, which changes no direction, so that its largest entry is near 1: in thin shapes entries may exceed the range of
+// floats, and infinity times 0 is NaN in every normal.
 glm::mat3 normal_map(const glm::dmat3& linear) {
   const glm::dmat3 map = glm::transpose(glm::inverse(linear));
   double largest = 0.0;

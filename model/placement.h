@@ -8,11 +8,11 @@
 
 namespace sideray::model {
 
-// Each throws Failure (INVALID_ARGUMENT) that names what is wrong with the element of this index.
+// Throw Failure (INVALID_ARGUMENT) that names the fault of the element `index`.
 void check_transform(const double* world_from_object, size_t index);
 void check_light(const sideray_light& light, size_t index);
 
-// Holds what sideray_scene_set_fixed_function() was given; `desc` does not refer to its lights.
+// Holds the input of sideray_scene_set_fixed_function(); `desc` does not refer to its lights.
 struct FixedDesc {
   sideray_fixed_function desc;
   std::vector<sideray_fixed_light> lights;
@@ -20,8 +20,8 @@ struct FixedDesc {
 // Throws Failure (INVALID_ARGUMENT) that names the field.
 void check_fixed_function(const FixedDesc& model);
 
-// Chooses the origin: the middle of points in the world, on a grid so coarse that it is 0 for every scene near the
-// world's origin, and rarely changes when something is moved or added.
+// Chooses the origin: the middle of world positions, on a grid so coarse that it is 0 for every scene near the world's
+// origin, and rarely changes when something is moved or added.
 class OriginChoice {
  public:
   void add(const double* world_from_object);
@@ -31,7 +31,7 @@ class OriginChoice {
   glm::dvec3 low_{INFINITY}, high_{-INFINITY};
 };
 
-// Sets all but mesh and material, whose indices the snapshot decides.
+// Set everything but mesh and material, whose indices the snapshot decides.
 Instance local_instance(const sideray_instance_desc& desc, glm::dvec3 origin, const Mesh& mesh, const Wind* wind);
 Light local_light(const sideray_light& light, glm::dvec3 origin);
 FixedFunction local_fixed_function(const FixedDesc& model, glm::dvec3 origin);

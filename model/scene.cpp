@@ -21,8 +21,8 @@ namespace {
 constexpr size_t most_lights = 4096;
 constexpr size_t most_instances = 0x7fffffffu;
 
-// Returns the number that a C host has put into an enumeration, be it none of its values: to read it as one would be
-// undefined.
+// Returns the number in an enumeration from a C host, which may be none of its values: reading it as the enumeration
+// would be undefined.
 template <typename Enumeration>
 int number_of(const Enumeration& enumeration) {
   int number;
@@ -31,7 +31,7 @@ int number_of(const Enumeration& enumeration) {
   return number;
 }
 
-// Returns what has this name; throws Failure where nothing has it.
+// Returns the object of this name; throws Failure if there is none.
 template <typename T>
 T& named(Slots<T>& slots, uint32_t name, const char* kind) {
   T* thing = slots.find(name);
@@ -41,7 +41,7 @@ T& named(Slots<T>& slots, uint32_t name, const char* kind) {
   return *thing;
 }
 
-// Returns the first instance for which `uses` holds.
+// Returns the first instance that `uses` accepts.
 template <typename Uses>
 uint32_t first_instance(const Slots<sideray_instance_desc>& instances, const Uses& uses) {
   uint32_t first = 0;
@@ -56,7 +56,7 @@ struct Numbered {
   auto operator<=>(const Numbered&) const = default;
 };
 
-// Throws where two surfaces that fragments look for have one number: either would take the other's layers.
+// Throws where two surfaces with layers share a surface id, as each would take the other's layers.
 void check_unique(std::vector<Numbered> surfaces) {
   std::sort(surfaces.begin(), surfaces.end());
   const auto same = [](const Numbered& a, const Numbered& b) { return a.surface_id == b.surface_id; };
@@ -112,7 +112,7 @@ void Scene::remove_mesh(uint32_t mesh) {
 
 void Scene::set_vertices(uint32_t mesh, const sideray_mesh_desc& desc) {
   SceneMesh& current = mesh_named(mesh);
-  // A closed mesh stays closed: edges are the triangles'.
+  // A closed mesh stays closed, since its triangles keep their edges.
   current.mesh = build_moved_mesh(*current.mesh, current.form, desc);
 }
 
@@ -369,8 +369,8 @@ Material Scene::placed_material(const SceneMaterial& material, const Places& pla
   return made;
 }
 
-// Adds an instance of lines or points, whose material is made opaque, and unlit where the mesh has no normals.
-// `materials`: those that were made so before, by name and whether they are unlit.
+// Adds an instance of lines or points, whose material is made opaque, and unlit if the mesh has no normals.
+// `materials`: those made before, by name and whether the mesh has normals.
 void Scene::commit_thin(const sideray_instance_desc& d, const Places& places, Snapshot& snapshot,
                         std::map<std::pair<uint32_t, bool>, uint32_t>& materials) const {
   const SceneMesh& mesh = *meshes_.find(d.mesh);

@@ -1,5 +1,4 @@
-// Holds the editable scene: checks what comes in, and commits it into an immutable snapshot. One thread at a time may
-// edit.
+// Holds the editable scene: checks input, and commits it into an immutable snapshot. One thread at a time may edit.
 #pragma once
 
 #include <map>
@@ -16,11 +15,11 @@
 
 namespace sideray::model {
 
-// Throws Failure where a scene cannot have so many lights.
+// Throws Failure for more lights than a scene can have.
 void check_light_count(size_t count);
 
-// The functions mirror sideray_scene_*; each throws Failure and then has changed nothing. Names are the API's. Every
-// edit costs as much as what it is given; a commit costs as much as the scene has instances.
+// Its functions mirror sideray_scene_*; one that throws Failure has changed nothing. Names are the API's. An edit costs
+// as much as its input; a commit costs as much as the scene has instances.
 class Scene {
  public:
   uint32_t add_mesh(const sideray_mesh_desc& desc, uint32_t* dropped);
@@ -37,7 +36,7 @@ class Scene {
   void replace_material(uint32_t material, const sideray_material_desc& desc);
   void remove_material(uint32_t material);
 
-  // Writes the names to `instances`, where it is not null.
+  // Writes the names to `instances`, if it is not null.
   void add_instances(const sideray_instance_desc* descs, size_t count, uint32_t* instances = nullptr);
   void replace_instances(const uint32_t* instances, const sideray_instance_desc* descs, size_t count);
   void remove_instances(const uint32_t* instances, size_t count);
@@ -52,7 +51,7 @@ class Scene {
   void set_lights(const sideray_light* lights, size_t count);
   void set_environment(uint32_t width, uint32_t height, const float* rgb, float scale, float rotation_deg);
   void set_shader(const sideray_shader_desc* shader);  // null: the built-in model
-  // Null: the built-in model; none of its own.
+  // Null: the built-in model, and for a material, its default.
   void set_fixed_function(const FixedDesc* model);
   void set_fixed_material(uint32_t material, const sideray_fixed_material* fixed);
 
@@ -60,14 +59,14 @@ class Scene {
   // Returns the last committed snapshot; null before the first commit. May be called while another thread edits.
   std::shared_ptr<const Snapshot> snapshot() const;
 
-  // Counts the memory that edits have come to take: slots of meshes, textures, materials and instances together.
+  // Returns the number of slots that edits have taken, as a measure of memory: meshes, textures, materials, instances.
   size_t slot_count() const;
 
  private:
   struct SceneMesh {
     std::shared_ptr<const Mesh> mesh;
     MeshForm form;
-    std::optional<bool> closed;  // known once it was requested
+    std::optional<bool> closed;  // known once it was needed
     size_t users = 0;            // instances
   };
   struct SceneTexture {
@@ -83,7 +82,7 @@ class Scene {
     sideray_particles_desc desc;
     std::vector<sideray_sprite> sprites;
   };
-  // Says where things with names lie in the snapshot that is being made.
+  // Maps names to indices in the snapshot that is being made.
   struct Places {
     std::vector<uint32_t> meshes, textures, materials;
   };
@@ -95,7 +94,7 @@ class Scene {
   void check_names(const uint32_t* instances, size_t count) const;
   void check_instance(const sideray_instance_desc& desc, size_t index) const;
   void check_textures(const sideray_material_desc& desc) const;
-  // Adds `change` to the users of what an instance or a material refers to.
+  // Adds `change` to the users of everything that an instance or a material refers to.
   void count_users(const sideray_instance_desc& desc, int change);
   void count_users(const sideray_material_desc& desc, int change);
 

@@ -1,5 +1,5 @@
-// Keeps things under names that stay while other things come and go; a scene keeps in it what its host adds. One thread
-// at a time may use it.
+// Stores objects under names that stay the same while other objects come and go; a scene stores what its host adds. One
+// thread at a time may use it.
 #pragma once
 
 #include <algorithm>
@@ -14,12 +14,12 @@
 
 namespace sideray::model {
 
-// A name is the number of a slot, from 1. A slot that was given back is taken again before a new one is made, the
-// lowest first, so that there are never more slots than there were things at the same time.
+// A name is the number of a slot, from 1. Free slots are reused before new ones are made, the lowest first, so that
+// there are never more slots than objects at the same time.
 template <typename T>
 class Slots {
  public:
-  // Throws bad_alloc, and has added nothing then. Allocates no memory where reserve() has made room for it.
+  // Throws bad_alloc, having added nothing. Allocates no memory if reserve() has made room.
   uint32_t add(T thing) {
     if (free_.empty()) {
       reserve(1);
@@ -37,7 +37,7 @@ class Slots {
     return name;
   }
 
-  // Makes room for so many more things.
+  // Makes room for so many more objects.
   void reserve(size_t count) {
     const size_t more = count - std::min(count, free_.size());
     if (slots_.capacity() - slots_.size() < more)
@@ -53,7 +53,7 @@ class Slots {
     any_removed_ = true;
   }
 
-  // Returns null where there is nothing of this name.
+  // Returns null where no object has this name.
   T* find(uint32_t name) {
     if (name == 0 || name > slots_.size() || !slots_[name - 1].thing) return nullptr;
     return &*slots_[name - 1].thing;
@@ -63,7 +63,7 @@ class Slots {
   size_t size() const { return size_; }
   size_t slot_count() const { return slots_.size(); }
 
-  // Calls visit(name, thing) for each, by ascending names.
+  // Calls visit(name, thing) for each object, by ascending names.
   template <typename Visit>
   void for_each(Visit&& visit) {
     for (size_t i = 0; i < slots_.size(); ++i)
@@ -75,7 +75,7 @@ class Slots {
       if (slots_[i].thing) visit(static_cast<uint32_t>(i + 1), *slots_[i].thing);
   }
 
-  // Returns the names of the things, in the order of for_each.
+  // Returns the objects' names, in the order of for_each.
   Names names() const {
     Names names;
     if (!any_removed_) return names;
@@ -85,7 +85,7 @@ class Slots {
     return names;
   }
 
-  // Returns for each name the thing's place in the order of for_each; [0] and the places of free slots mean nothing.
+  // Returns each name's place in the order of for_each; [0] and the places of free slots mean nothing.
   std::vector<uint32_t> places() const {
     std::vector<uint32_t> places(slots_.size() + 1, 0);
     uint32_t place = 0;
@@ -99,11 +99,11 @@ class Slots {
  private:
   struct Slot {
     std::optional<T> thing;
-    uint32_t reuse = 0;  // how often the name was taken again
+    uint32_t reuse = 0;  // how often the name was reused
   };
 
   std::vector<Slot> slots_;
-  std::vector<uint32_t> free_;  // a heap, the lowest name on top
+  std::vector<uint32_t> free_;  // a heap with the lowest name on top
   size_t size_ = 0;
   bool any_removed_ = false;
 };

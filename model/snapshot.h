@@ -24,19 +24,19 @@ struct Bounds {
   float radius() const { return empty() ? 0.0f : 0.5f * glm::length(maximum - minimum); }
 };
 
-// Holds the triangles, lines or points of one primitive in object space. Every vector but `indices` has one entry per vertex; none is
-// empty, so that readers need no branches: absent attributes are filled with their defaults when the mesh is added.
+// Holds the triangles, lines or points of one primitive in object space. Every vector of attributes has one entry per
+// vertex: absent attributes get their defaults when the mesh is added, so that readers need no branches.
 struct Mesh {
   std::vector<glm::vec3> positions, normals;
-  std::vector<glm::vec4> tangents;  // w = +-1 bitangent sign; 0 where no tangent frame exists
+  std::vector<glm::vec4> tangents;  // w = +-1 bitangent sign; 0 without a tangent frame
   std::vector<glm::vec2> uv0, uv1;
   std::vector<glm::vec4> colors;
   std::vector<glm::uvec3> triangles;  // lines and points repeat their last vertex
   std::vector<uint32_t>
-      source_primitive;  // triangle number as given by the caller, where some were dropped; otherwise empty
+      source_primitive;  // number as given by the caller, if some were dropped; otherwise empty
   Bounds bounds;
   bool has_colors = false, has_tangents = false;
-  float minimum_alpha = 1.0f;  // the least of the vertex colours
+  float minimum_alpha = 1.0f;  // the lowest of the vertex colours
   sideray_topology topology = SIDERAY_TRIANGLES;
 };
 
@@ -49,8 +49,8 @@ struct Texture {
   };
   std::vector<Level> levels;
   bool srgb = false;
-  uint8_t minimum_alpha = 255;  // the least of level 0
-  uint8_t minimum_green = 255;  // likewise
+  uint8_t minimum_alpha = 255;  // the lowest of level 0
+  uint8_t minimum_green = 255;  // the lowest of level 0
 };
 
 struct Material {
@@ -58,14 +58,14 @@ struct Material {
   bool translucent;            // BLEND or transmission > 0
   bool cull_back;              // not double sided
   bool discards;               // an alpha below 1/255 (BLEND) or the cut-off (MASK) can occur
-  bool traceable;              // translucent and not multiply: may go into layers
-  bool mirrors;                // opaque, and smooth enough somewhere for rays to mirror what they hit
-  // Of the fixed function: what it reads, and which parts of alpha do not count.
+  bool traceable;              // translucent and not multiply: may have layers
+  bool mirrors;                // opaque, and smooth enough somewhere to reflect by rays
+  // For the fixed function: its material, and which factors of alpha are ignored.
   sideray_fixed_material fixed;
   bool without_factor_alpha, without_vertex_alpha, without_texel_alpha;
 };
 
-// Holds a sideray_wind_desc as sr_wind() of shaders/shading/wind.h takes it; object space.
+// Holds a sideray_wind_desc for sr_wind() of shaders/shading/wind.h; object space.
 struct Wind {
   sideray_wind_desc desc;
 };
@@ -75,18 +75,18 @@ struct Instance {
   glm::mat4x3 local_from_object;
   glm::mat3 normal_from_object;  // inverse transpose; normalize the product
   bool mirrored;                 // negative determinant: the front face is the clockwise one
-  bool solid;                    // a closed mesh around a volume (transmission, thickness): its fronts are its outside
+  bool solid;                    // a closed mesh around a volume (transmission, thickness): front faces are its outside
   uint32_t surface_id, visibility;
   Bounds bounds;      // local space
-  uint32_t wind = 0;  // index + 1 into the snapshot's winds, 0 = it stands still
+  uint32_t wind = 0;  // index + 1 into the snapshot's winds, 0 = no wind
   float wind_phase = 0;
-  uint32_t sprites = 0;  // index + 1 of the system whose quads these are (rt/poses/particle_quads.h); 0 = no system's
+  uint32_t sprites = 0;  // index + 1 of the system that these quads show (rt/poses/particle_quads.h); 0 = none
   uint64_t user = 0;     // the host's own number
 };
 
 struct Light {
   sideray_light_type type;
-  glm::vec3 position, direction;  // local space; direction is unit, the way the light travels
+  glm::vec3 position, direction;  // local space; direction is unit, in which the light travels
   glm::vec3 intensity;
   float range, cos_inner, cos_outer;
   float radius;          // radius of a sphere about the position; point and spot
@@ -98,10 +98,10 @@ struct Light {
 
 // Holds a sideray_fixed_light.
 struct FixedLight {
-  glm::vec3 place;  // local space; `distant`: the way to it, unit
+  glm::vec3 place;  // local space; if `distant`, the unit direction to it
   bool distant;
   glm::vec3 ambient, diffuse, specular;
-  glm::vec3 axis;  // unit, the way the light travels
+  glm::vec3 axis;  // unit direction in which the light travels
   float exponent, cos_cutoff;
   glm::vec3 attenuation;  // constant, linear, quadratic
   bool casts_shadows;
@@ -131,7 +131,7 @@ struct ParticleSystem {
 };
 
 // Holds lat-long images, RGB float, top row first. Lookups: sr_latlong in shaders/shading/shading.h. `rotation` and
-// `scale` are applied already. All are black where there is no environment.
+// `scale` are already applied. All are black if there is no environment.
 struct Environment {
   struct Image {
     uint32_t width = 0, height = 0;
@@ -140,22 +140,21 @@ struct Environment {
   std::vector<Image>
       specular;      // level l is prefiltered for perceptual roughness l / (levels - 1); level 0 is the input
   Image irradiance;  // E / pi: multiply by the diffuse colour
-  float mean = 0;    // of the radiance over all directions and channels
+  float mean = 0;    // of radiance over all directions and channels
   bool black = true;
-  bool uniform = false;  // the same radiance comes from all directions
+  bool uniform = false;  // radiance is the same from all directions
 };
 
-// Holds what the host calls a thing that it has added. `reuse` tells apart things that had one name one after the
-// other.
+// Holds the host's name of an object. `reuse` distinguishes objects that had the same name at different times.
 struct Name {
   uint32_t name = 0, reuse = 0;
   bool operator==(const Name&) const = default;
 };
 
-// Holds the names of a snapshot's things, which lie by ascending names. Things that the library has added behind them
-// have none (0).
+// Holds the names of a snapshot's objects, which are sorted by name. Objects that the library has added after them have
+// none (0).
 struct Names {
-  std::vector<Name> all;  // empty: each name is the index + 1, and has never been another thing's
+  std::vector<Name> all;  // empty: each name is the index + 1, and was never reused
   Name operator[](size_t index) const {
     if (all.empty()) return {static_cast<uint32_t>(index + 1), 0};
     return index < all.size() ? all[index] : Name{};
@@ -165,7 +164,7 @@ struct Names {
 
 inline constexpr uint32_t no_index = 0xffffffffu;
 
-// Returns the index of what has this very name among `count` things; no_index where nothing has it.
+// Returns the index of the object with this name and `reuse` among `count` objects; no_index if there is none.
 inline uint32_t find_name(const Names& names, size_t count, Name name) {
   if (names.all.empty()) return name.reuse == 0 && name.name - 1 < count ? name.name - 1 : no_index;
   const auto found = std::lower_bound(names.all.begin(), names.all.end(), name.name,
@@ -173,7 +172,7 @@ inline uint32_t find_name(const Names& names, size_t count, Name name) {
   return found != names.all.end() && *found == name ? static_cast<uint32_t>(found - names.all.begin()) : no_index;
 }
 
-// Returns the index of what has a name now, whatever had it before; no_index where nothing does.
+// Returns the index of the object that has a name now, whatever its `reuse`; no_index if there is none.
 inline uint32_t find_name(const Names& names, size_t count, uint32_t name) {
   if (names.all.empty()) return name - 1 < count ? name - 1 : no_index;
   const auto found = std::lower_bound(names.all.begin(), names.all.end(), name,
@@ -182,7 +181,7 @@ inline uint32_t find_name(const Names& names, size_t count, uint32_t name) {
 }
 
 // Positions are "local": world position minus `origin`, so that floats stay precise far from the world's origin.
-// Indices change from commit to commit where things were removed: comparisons of two snapshots go by names.
+// Indices change between commits when objects are removed, so that two snapshots are compared by names.
 struct Snapshot {
   glm::dvec3 origin{0.0};
   Names mesh_names, material_names, instance_names;
@@ -190,21 +189,21 @@ struct Snapshot {
   std::vector<std::shared_ptr<const Texture>> textures;
   std::vector<Material> materials;
   std::vector<Instance> instances;
-  std::vector<Instance> thin;  // of meshes of lines and points, which no ray hits; opaque
+  std::vector<Instance> thin;  // instances of lines and points, which no ray hits; opaque
   std::vector<Wind> winds;
-  double time_s = 0, previous_time_s = 0;  // of the wind
+  double time_s = 0, previous_time_s = 0;  // for the wind
   std::vector<Light> lights;
   std::vector<ParticleSystem> particles;
   std::shared_ptr<const Environment> environment;  // never null
   sideray_shader_desc shader{};                    // without a function: the built-in model
-  std::shared_ptr<const void> shader_use;          // released: nobody calls the shader any more
+  std::shared_ptr<const void> shader_use;          // once released, nobody calls the shader any more
   std::shared_ptr<const FixedFunction> fixed;      // null: the built-in model, or the shader
   Bounds bounds;
   uint64_t revision = 0;  // grows with every commit
 };
 
-// Holds the directional albedo of the specular lobe, split-sum form: albedo = f0 * x + f90 * y; and of a white sheen
-// lobe: z. Square table: row i is of perceptual roughness i / (size - 1), column i of n.v i / (size - 1).
+// Holds the directional albedo of the specular lobe in split-sum form, albedo = f0 * x + f90 * y, and that of a white
+// sheen lobe, z. A square table: row i is for perceptual roughness i / (size - 1), column i for n.v i / (size - 1).
 // Computed when the project is built (make_albedo_table.cpp).
 struct AlbedoTable {
   static constexpr uint32_t size = 64;

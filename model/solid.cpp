@@ -8,10 +8,10 @@
 namespace sideray::model {
 namespace {
 
-constexpr double weld_share = 1e-5;  // as a share of the radius
+constexpr double weld_share = 1e-5;  // share of the radius
 
-// Gives each position the number of the first one near it. Cells are twice the tolerance wide, so that what is near
-// lies in one of the eight cells around.
+// Gives each position the number of the first one near it. Cells are twice as large as the tolerance, so that positions
+// within it are in at most eight cells.
 class Welder {
  public:
   Welder(const std::vector<glm::vec3>& positions, double tolerance)
@@ -49,7 +49,7 @@ bool is_closed(const Mesh& mesh) {
   Welder welder(mesh.positions, radius * weld_share);
   std::vector<uint32_t> welded(mesh.positions.size());
   for (uint32_t i = 0; i < welded.size(); ++i) welded[i] = welder.weld(i);
-  // Holds an edge and the direction in which its triangle runs along it, +1 or -1.
+  // Edges, each with the direction in which a triangle runs along it, +1 or -1.
   std::vector<std::pair<uint64_t, int>> edges;
   edges.reserve(3 * mesh.triangles.size());
   for (const glm::uvec3& t : mesh.triangles) {

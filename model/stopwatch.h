@@ -1,4 +1,4 @@
-// Measures wall-clock time. Any thread may use one of its own.
+// Measures wall-clock time. Any thread may use its own.
 #pragma once
 
 #include <chrono>

@@ -27,8 +27,8 @@ uint8_t linear_to_srgb(float x) {
   return static_cast<uint8_t>(std::clamp(y, 0.0f, 1.0f) * 255.0f + 0.5f);
 }
 
-// Makes the next level: each texel is the mean of the (up to) 2x2 texels it covers; odd rows and columns fold into the
-// last.
+// Makes the next mip level: each texel is the mean of the (up to) 2x2 texels that it covers; odd rows and columns are
+// included in the last one.
 Texture::Level halve(const Texture::Level& from, bool srgb) {
   Texture::Level to{std::max(1u, from.width / 2), std::max(1u, from.height / 2), {}};
   to.rgba.resize(size_t{4} * to.width * to.height);

@@ -1,4 +1,4 @@
-// Copies an image and builds its mip levels, once, for both the rasterizer and the tracer. Any thread may call it.
+// Copies an image and builds its mip levels, for both the rasterizer and the tracer. Any thread may call it.
 #pragma once
 
 #include <memory>

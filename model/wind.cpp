@@ -39,7 +39,7 @@ glm::vec3 wind_phase(const Wind& wind, double time_s, float instance_phase) {
 
 Bounds reached_in_wind(const Bounds& bounds, const Wind& wind) {
   if (bounds.empty()) return bounds;
-  // The factors of sr_wind() are at most 2, and 4 where they are squared.
+  // Bounds sr_wind(): its factors are at most 2, and 4 where they are squared.
   const sideray_wind_desc& d = wind.desc;
   const float up = std::clamp(bounds.maximum.y / d.height, 0.0f, 2.0f);
   const float most = d.amplitude * up * up + 2.0f * d.branch_amplitude + 1.5f * up * d.leaf_amplitude;

@@ -1,14 +1,14 @@
-// Checks wind as the scene states it, and computes its phases in time and how far it reaches. Any thread may call it.
+// Checks the scene's wind, and computes its phases in time and its range. Any thread may call it.
 #pragma once
 
 #include "model/snapshot.h"
 
 namespace sideray::model {
 
-// Throws Failure (INVALID_ARGUMENT) and names the field.
+// Throws Failure (INVALID_ARGUMENT) that names the field.
 Wind checked_wind(const sideray_wind_desc& desc);
 
-// Returns the cycles of trunk, branches and leaves at a time, each in 0..1; SrWindPhase is made of them.
+// Returns the cycles of trunk, branches and leaves at a time, each in 0..1, for SrWindPhase.
 glm::vec3 wind_phase(const Wind& wind, double time_s, float instance_phase);
 
 // Returns a box in object space around everything in `bounds` at any time.

@@ -5,7 +5,7 @@
 
 namespace sideray::shaders {
 
-// Text of the file `name` ("shading.h", "sideray.glsl"); empty where there is no such file. Zero-terminated.
+// Returns the text of the file `name` ("shading.h", "sideray.glsl"), zero-terminated; empty if there is no such file.
 std::string_view source(std::string_view name);
 
 }  // namespace sideray::shaders

@@ -1,5 +1,4 @@
-// The one bracket between exceptions inside and status codes outside. Every C entry point that can fail goes through
-// it.
+// Turns exceptions inside into status codes outside. Every C entry point that can fail goes through it.
 #pragma once
 
 #include <sideray/sideray.h>

@@ -20,7 +20,7 @@ struct FacePoint {
   double s, t;  // 0..1
 };
 
-// Table 8.19 of the OpenGL 4.5 specification: which face a direction hits, and where.
+// Returns which face a direction hits, and where: table 8.19 of the OpenGL 4.5 specification.
 FacePoint face_point(const glm::dvec3& d) {
   const glm::dvec3 a = glm::abs(d);
   const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
@@ -32,7 +32,7 @@ FacePoint face_point(const glm::dvec3& d) {
   return {2 * axis + negative, 0.5 * (s / a[axis] + 1.0), 0.5 * (t / a[axis] + 1.0)};
 }
 
-// Returns the direction that a point of a face lies in: the inverse, also beyond the face's edges.
+// Returns the direction of a point of a face, the inverse of face_point(); the point may lie beyond the face's edges.
 glm::dvec3 direction_of(int face, double s, double t) {
   const double u = 2.0 * s - 1.0, v = 2.0 * t - 1.0;
   switch (face) {
@@ -49,7 +49,7 @@ class Cube {
  public:
   Cube(uint32_t side, const float* const faces[6]) : side_(static_cast<int>(side)), faces_(faces) {}
 
-  // Filters bilinearly, and across edges: a texel beyond one is that of the face beside it.
+  // Filters bilinearly across edges: beyond an edge come the texels of the neighbouring face.
   glm::dvec3 sample(const glm::dvec3& d) const {
     const FacePoint p = face_point(d);
     const double x = p.s * side_ - 0.5, y = p.t * side_ - 0.5, i = std::floor(x), j = std::floor(y);
@@ -67,7 +67,7 @@ class Cube {
     const auto at = [&](double s) { return std::clamp(static_cast<int>(s * side_), 0, side_ - 1); };
     return stored(beside.face, at(beside.s), at(beside.t));
   }
-  // Returns a texel, in black where it is not finite, as every environment has it.
+  // Returns a texel; one that is not finite is black, as in every environment.
   glm::dvec3 stored(int face, int x, int y) const {
     const float* rgb = faces_[face] + 3 * (static_cast<size_t>(y) * static_cast<size_t>(side_) + static_cast<size_t>(x));
     glm::dvec3 value(0);

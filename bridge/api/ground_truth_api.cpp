@@ -64,7 +64,7 @@ void require_present(const ObjectOfSurface& objects, const Snapshot& snapshot) {
            surface, object);
 }
 
-// Ascending, each once.
+// Returns the object numbers in ascending order, each once.
 std::vector<uint32_t> numbers_of(const ObjectOfSurface& objects) {
   std::vector<uint32_t> numbers;
   for (const auto& entry : objects) numbers.push_back(entry.second);
@@ -136,7 +136,7 @@ sideray_status sideray_camera_rays(const sideray_camera* camera, uint32_t width,
     check_truth_size(width, height);
     require(rays, "rays");
     require_stride<sideray_ray>(stride_bytes, "rays");
-    // Relative to the eye nothing is rounded that is far from the world's origin.
+    // Positions are relative to the eye, so that places far from the world's origin lose no precision.
     const glm::dvec3 eye(read.world_from_camera[9], read.world_from_camera[10], read.world_from_camera[11]);
     const sideray::rt::ViewRays view(trace_view(truth_view(read, width, height, eye)), width, height);
     for (uint32_t y = 0; y < height; ++y)

@@ -14,7 +14,7 @@ struct sideray_options {
   sideray::bridge::OptionSet set;
 };
 
-// What the public interface points at; the texts lie in `described`.
+// Holds what the public interface points at; the texts are in `described`.
 struct sideray_shortcuts {
   std::vector<sideray::bridge::Shortcut> described;
   std::vector<sideray_shortcut> list;
@@ -22,7 +22,7 @@ struct sideray_shortcuts {
 
 namespace sideray::bridge {
 
-// Facts that an older caller's struct lacks count as absent.
+// Fills the caller's struct; facts that an older caller's struct lacks count as absent.
 void init_facts(sideray_scene_facts* out, size_t size) {
   init_struct(out, size, sideray_scene_facts{});
 }
@@ -31,7 +31,7 @@ void init_facts(sideray_scene_facts* out, size_t size) {
 
 namespace {
 
-// The place of an option, or none of that name.
+// Returns the place of an option; none where there is no option of that name.
 std::optional<size_t> find(const char* name) {
   const size_t place = name ? option_place(name) : option_table().size();
   return place < option_table().size() ? std::optional(place) : std::nullopt;

@@ -1,4 +1,4 @@
-// sideray_plan_*, sideray_material_is_translucent: what the offscreen tier would do.
+// sideray_plan_*, sideray_material_is_translucent: what the offscreen renderer would do.
 #include "bridge/api/border.h"
 #include "bridge/base/handles.h"
 #include "bridge/options/check_options.h"
@@ -12,7 +12,7 @@ using sideray::bridge::guarded;
 using sideray::bridge::require;
 using sideray::bridge::RenderOptions;
 
-// What the public interface points at; the texts lie in `described_passes` and `described_textures`.
+// Holds what the public interface points at; the texts are in `described_passes` and `described_textures`.
 struct sideray_plan {
   std::vector<sideray::bridge::PlannedPass> described_passes;
   std::vector<sideray::bridge::PlannedTexture> described_textures;

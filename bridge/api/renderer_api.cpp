@@ -1,4 +1,4 @@
-// sideray_renderer_*, sideray_picture_*, sideray_device_*: the offscreen tier.
+// sideray_renderer_*, sideray_picture_*, sideray_device_*: the offscreen renderer.
 #include <sideray/diagnostics.h>
 
 #include "bridge/api/border.h"
@@ -31,7 +31,7 @@ sideray_device_info describe(const sideray::gl::DeviceInfo& info) {
           info.usable,     info.reason.c_str()};
 }
 
-// What the init function of a struct makes, once: its address is a constant of the library.
+// Returns the result of a struct's init function, computed once, so that its address stays the same.
 template <typename T>
 const T* constant(void (*init)(T*, size_t)) {
   static const T filled = [&] {

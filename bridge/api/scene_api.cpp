@@ -243,7 +243,7 @@ void sideray_light_init(sideray_light* out, size_t size) {
 
 namespace {
 
-// The lights of an array whose elements all have the size of the first.
+// Returns an array's lights; all elements have the size that the first one states.
 template <typename Light>
 std::vector<Light> read_lights(const Light* lights, size_t count, const std::string& name, void (*init)(Light*, size_t)) {
   std::vector<Light> read;

@@ -1,4 +1,4 @@
-// sideray_service_*: the transport, for a host's own context.
+// sideray_service_*: the service in a host's own context.
 #include <sideray/diagnostics.h>
 
 #include <cmath>
@@ -26,13 +26,13 @@ struct sideray_service {
 
 namespace {
 
-// Outputs are the service's to fill: a caller's struct has nothing but its size.
+// Fills a caller's struct of outputs, of which only the size is set.
 template <typename Outputs>
 sideray_status write_newest(sideray_service* service, uint32_t view_id, Outputs* outputs, const char* name,
                             bool (sideray::bridge::Service::*newest)(uint32_t, Outputs&) const) {
   require(service, "service");
   require(outputs, name);
-  // Before the first outputs too, so that a host sees its mistake at once.
+  // Checks before the first outputs exist too, so that a host sees its mistake at once.
   sideray::bridge::require_size(outputs->size, sizeof(Outputs), name);
   Outputs filled{};
   if (!(service->service.*newest)(view_id, filled)) return SIDERAY_NOT_READY;

@@ -1,5 +1,5 @@
-// What the functions of ground truth have in common: the camera and the size of their picture, and the view that it is traced
-// in. Any thread.
+// Holds what the functions of ground truth share: the picture's camera and size, and the view that it is traced in. Any
+// thread.
 #pragma once
 
 #include "bridge/base/check_inputs.h"
@@ -23,7 +23,7 @@ inline sideray_camera read_truth_camera(const sideray_camera* camera) {
   return read;
 }
 
-// `origin`: where local space begins.
+// `origin`: the origin of local space.
 inline gl::RasterView truth_view(const sideray_camera& camera, uint32_t width, uint32_t height, glm::dvec3 origin) {
   return gl::make_raster_view(camera, glm::vec2(0.0f), {width, height, origin, true});
 }
@@ -32,7 +32,7 @@ inline rt::TraceView trace_view(const gl::RasterView& view) {
   return {view.clip_from_local, view.local_from_clip, view.reversed_depth, view.zero_to_one_depth};
 }
 
-// (x, y, z, 1) of a local position times this is its depth along the view axis.
+// Returns a plane whose dot product with (x, y, z, 1) of a local position is its depth along the view axis.
 inline glm::dvec4 depth_plane(const gl::RasterView& view) {
   glm::dvec4 plane;
   for (int c = 0; c < 4; ++c) plane[c] = -view.view_from_local[c][2];

@@ -1,4 +1,4 @@
-// Checks what the jobs of a frame share: where it is read, its view, its time. Any thread; no context is needed.
+// Checks the inputs that all jobs of a frame share: source, view, time. Any thread; no context is needed.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -8,11 +8,11 @@
 
 namespace sideray::bridge {
 
-// Throws Failure (INVALID_ARGUMENT) that names the input and what it may be.
+// Throws Failure (INVALID_ARGUMENT) that names the input and the values it may have.
 void check_frame(const FrameInputs& inputs);
 void check_view_id(uint32_t id);
 
-// The policy for the state guards of this frame's calls.
+// Returns the policy of state guards in this frame's calls.
 inline gl::StatePolicy policy_of(const FrameInputs& in) {
   return in.state_policy == SIDERAY_HOST_RESTORES ? gl::StatePolicy::leave : gl::StatePolicy::restore;
 }

@@ -11,19 +11,19 @@
 
 namespace sideray::bridge {
 
-// Holds what the renderer requests of a frame beyond its outputs: times, checks, occluder distances, only some tiles.
-// The outputs stay the same, except in tiles that are not wanted.
+// Holds what the renderer requests of a frame beyond its outputs: times, checks, occluder distances, a part of the
+// tiles. Outputs stay the same, except in tiles that are not wanted.
 struct Inspection {
-  bool check = false;          // CACHE also traces what its layers are checked against
+  bool check = false;          // SIDERAY_CACHE also traces all surfaces, to compare its layers with
   bool hit_distances = false;  // masks hold the distance of every occluder near a shadow's edge
-  // The previous frame of the view is traced once more, for its time or for another sample position: no history advances.
+  // The previous frame of the view is traced again, for its time or for another sample position: no history advances.
   bool redraws = false;
-  bool keeps_masks = false;  // with `redraws`: the masks are reused, as in a view at rest
-  // The tiles that are traced, of layers and of masks and reflections, if the frame does not continue; null: all.
+  bool keeps_masks = false;  // with `redraws`: masks are reused, as in a view at rest
+  // In a frame that does not continue: the tiles to trace of layers, and of masks and reflections; null: all.
   std::shared_ptr<const rt::WantedTiles> wanted, wanted_light;
-  // Counts the frames that a position of a still view under a budget has taken, this one included. 0 = it is none.
+  // Number of frames that a position of a still view has taken under a budget, this one included; 0: other views.
   uint32_t position_frames = 0;
-  bool timed = false;        // the GPU is waited for around readback and upload, so that their times stand alone
+  bool timed = false;        // waits for the GPU around readback and upload, so that their times are separate
 };
 
 // sideray_frame_inputs with its jobs by value; the fields are explained there.
@@ -42,16 +42,16 @@ struct FrameInputs {
   uint32_t view_id = 0;
   bool exact_points = false;  // sideray_diagnostics
   uint32_t budget_pieces = 0;
-  bool resolves = false;      // rt::LayerRequest::resolves: for the renderer alone
+  bool resolves = false;      // rt::LayerRequest::resolves: only for the renderer
   Inspection inspection;
 };
 
-// The second wave of a frame, which has layers alone.
+// Returns whether the frame is a second wave, which has only layers.
 inline bool is_second_wave(const FrameInputs& in) {
   return in.layers && in.layers->adds_to != 0;
 }
 
-// Which jobs the frame has, SIDERAY_JOB_*.
+// Returns the frame's jobs, SIDERAY_JOB_*.
 inline uint32_t jobs_of(const FrameInputs& in) {
   if (is_second_wave(in)) return SIDERAY_JOB_LAYERS;
   uint32_t jobs = 0;
@@ -62,7 +62,7 @@ inline uint32_t jobs_of(const FrameInputs& in) {
   return jobs;
 }
 
-// Whether the mask of layers is in the stencil.
+// Returns whether the mask of layers is in the stencil.
 inline bool reads_stencil_mask(const sideray_frame_source& source) {
   return source.mask == SIDERAY_MASK_STENCIL || source.mask == SIDERAY_MASK_COUNT;
 }

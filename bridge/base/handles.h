@@ -1,5 +1,4 @@
-// What the opaque handles of sideray.h point at. Reference counts are atomic; the rest follows the header's thread
-// rules.
+// Defines the opaque handles of sideray.h. Reference counts are atomic; the rest follows the header's thread rules.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -21,23 +20,23 @@ struct sideray_scene {
 struct sideray_tracer {
   std::atomic<uint32_t> references{1};
   sideray_scene* scene;  // one reference held
-  // A service's worker and direct calls take turns.
+  // Gives turns to a service's worker and to direct calls.
   sideray::bridge::TracerTurn turn;
-  // From services' workers to the host's calls.
+  // Passes shading requests from services' workers to the host's calls.
   sideray::rt::ShadingQueue shading;
   sideray::rt::Tracer tracer;
-  std::shared_ptr<const sideray::model::Snapshot> snapshot;  // what the tracer holds
+  std::shared_ptr<const sideray::model::Snapshot> snapshot;  // the commit that the tracer holds
 
   sideray_tracer(sideray_scene* traced_scene, const sideray::rt::TracerConfig& config);
-  // With the scene of another one, as rt::Tracer has it.
+  // Shares the scene of another tracer, as rt::Tracer does.
   explicit sideray_tracer(sideray_tracer& other);
   ~sideray_tracer();
-  // The last commit. Throws Failure where nothing is committed.
+  // Returns the last commit. Throws Failure where nothing is committed.
   std::shared_ptr<const sideray::model::Snapshot> committed() const;
-  // Takes the turn on a thread of the host; what the host's shader is asked for meanwhile is done.
+  // Takes the turn on a thread of the host, which runs the host's shader on request while it waits.
   std::unique_lock<sideray::bridge::TracerTurn> take_turn_in_call();
   // Wakes threads that wait for the turn or for the host's shader: they check whether their frame was cancelled.
   void wake();
-  // Makes the tracer hold a commit; call in turn.
+  // Makes the tracer hold a commit; the caller must have the turn.
   void use(std::shared_ptr<const sideray::model::Snapshot> commit);
 };

@@ -1,4 +1,4 @@
-// Reads what a host says about its OpenGL context, for the service and the renderer. Any thread.
+// Reads a host's description of its OpenGL context, for the service and the renderer. Any thread.
 #pragma once
 
 #include <sideray/service.h>

@@ -1,4 +1,4 @@
-// How references may sample light, for options and for hosts. Any thread.
+// Limits how references sample light, for options and for hosts. Any thread.
 #pragma once
 
 #include <cstdint>

@@ -10,13 +10,13 @@
 namespace sideray::bridge {
 namespace {
 
-// The direction in which clip w, the depth that perspective divides by, grows.
+// Returns the direction in which clip w, the depth of the perspective division, grows.
 glm::dvec3 depth_axis(const rt::TraceView& view) {
   const glm::dmat4& m = view.clip_from_local;
   return glm::normalize(glm::dvec3(m[0].w, m[1].w, m[2].w));
 }
 
-// From (x, y, 1) of a pixel to its place `a` x + `b` y + `c`, where x and y run -1..1 over the picture.
+// Returns the matrix from (x, y, 1) of a pixel to `a` x + `b` y + `c`, where x and y run -1..1 over the picture.
 glm::mat3 from_pixel(glm::dvec3 a, glm::dvec3 b, glm::dvec3 c, uint32_t width, uint32_t height) {
   const glm::dvec3 x = a * (2.0 / width), y = b * (2.0 / height);
   return {glm::vec3(x), glm::vec3(y), glm::vec3(c - a - b + 0.5 * (x + y))};
@@ -71,7 +71,7 @@ SnippetView snippet_view(const sideray_view& view, uint32_t width, uint32_t heig
   const glm::dmat4& m = local.local_from_clip;
   const double near_z = view.reversed_depth ? 1.0 : (view.zero_to_one_depth ? 0.0 : -1.0);
   const double far_z = view.reversed_depth ? (view.zero_to_one_depth ? 0.0 : -1.0) : 1.0;
-  // The eye is the point that every view ray passes: clip x = y = w = 0, so the third column of the inverse.
+  // Every view ray passes the eye, where clip x = y = w = 0: the third column of the inverse.
   const glm::dvec4 column = m[2];
   if (std::abs(column.w) > 1e-12 * glm::length(glm::dvec3(column))) {
     const glm::dvec3 eye = glm::dvec3(column) / column.w;

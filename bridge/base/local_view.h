@@ -1,4 +1,4 @@
-// A host's camera in the space of a snapshot, and the values of it that the snippet needs. Any thread.
+// Converts a host's camera to a snapshot's local space and to the snippet's uniforms. Any thread.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -9,13 +9,13 @@
 
 namespace sideray::bridge {
 
-// Throws Failure (INVALID_ARGUMENT) where the matrices are not finite or not each other's inverse.
+// Throws Failure (INVALID_ARGUMENT) where the matrices are not finite, or not inverse to each other.
 void check_view(const sideray_view& view);
 
 // Returns the view of an engine's matrices. Throws Failure (INVALID_ARGUMENT) where they cannot be a camera's.
 sideray_view view_of_matrices(const double* projection, const double* modelview);
 
-// World to local: the snapshot's origin is subtracted in double precision.
+// Converts from world to local space: subtracts the snapshot's origin in double precision.
 rt::TraceView local_view(const sideray_view& view, glm::dvec3 origin);
 
 // Uniforms of sideray.glsl for a frame of this size and positions measured from `origin` (0 = world space).

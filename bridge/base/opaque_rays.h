@@ -1,4 +1,4 @@
-// Resolves `auto` of ambient occlusion, bounced light and reflections of opaque surfaces. The scene alone decides, so
+// Resolves `auto` for ambient occlusion, bounced light and reflections of opaque surfaces. Only the scene decides, so
 // that all frames of a sequence agree. Any thread may call it.
 #pragma once
 

@@ -1,11 +1,11 @@
-// Brings counters into the public structs that have them. Any thread.
+// Copies counters into the public structs. Any thread.
 #pragma once
 
 #include "rt/base/counters.h"
 
 namespace sideray::bridge {
 
-// Sets every counter that `stats` has a field of the same name for.
+// Sets every counter that `stats` has under the same name.
 template <typename Stats>
 void set_stats(Stats& stats, const rt::Counters& counters) {
 #define SIDERAY_SET(name) \

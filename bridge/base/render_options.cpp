@@ -57,7 +57,7 @@ RenderOptions read_render_options(const sideray_render_options* given) {
     o.diagnostics = read_struct(o.picture.diagnostics, "diagnostics", sideray_diagnostics_init);
   if (o.diagnostics.raw_frame)
     o.most_flat_triangles = read_struct(o.diagnostics.raw_frame, "raw frame", sideray_raw_frame_init).most_flat_triangles;
-  // The parts may be gone after the call.
+  // Clears the pointers, since the parts may be gone after the call.
   o.picture.translucency = nullptr;
   o.picture.shadows = nullptr;
   o.picture.poses = nullptr;

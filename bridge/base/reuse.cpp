@@ -8,15 +8,15 @@
 namespace sideray::bridge {
 namespace {
 
-// At this bound no scene that was measured is farther off the reference by more than 0.0007 FLIP (docs/translucency.md).
+// With this bound, no measured scene is farther from the reference by more than 0.0007 FLIP (docs/translucency.md).
 constexpr float auto_reuse = 0x1p-6f;
 
-// The bound is on the displayed picture.
+// Converts a bound on the displayed picture to radiance.
 float as_shown(float radiance, float exposure) {
   return radiance * elementary::exp2(-std::max(exposure, 0.0f));
 }
 
-// `given`: a bound was asked for, which the service refuses beside a host's shader.
+// `given`: the caller set a bound, which the service refuses together with a host's shader.
 LayerUse use_in(const model::Snapshot& snapshot, const RenderOptions& o, bool given) {
   LayerUse use = use_of(o);
   use.follows_refraction = !use.caches && o.translucency.refraction && rt::bends_light(snapshot);

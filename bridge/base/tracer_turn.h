@@ -1,5 +1,5 @@
-// Whose turn it is to use a tracer: a mutex that a thread need not wait for any longer once its frame is cancelled. A
-// service's worker may hold it while it waits for the host. Any thread.
+// Locks a tracer for one user: a mutex whose waiting thread returns once its frame is cancelled. A service's worker may
+// hold it while it waits for the host. Any thread.
 #pragma once
 
 #include <atomic>
@@ -15,7 +15,7 @@ class TracerTurn {
     given_.wait(held, [&] { return !taken_; });
     taken_ = true;
   }
-  // False, and not locked, where `cancelled` is true, or becomes so and wake() is called.
+  // Returns false, without the lock, where `cancelled` is true or becomes true before wake() is called.
   bool lock_unless(const std::atomic<bool>& cancelled) {
     std::unique_lock held(mutex_);
     given_.wait(held, [&] { return !taken_ || cancelled; });

@@ -1,5 +1,5 @@
-// Reads and fills structs of the public interface in any version: what an older caller's lacks has its default, what a
-// newer caller's has beyond ours must be 0. Any thread.
+// Reads and fills structs of the public interface in any version: fields that an older caller lacks have their
+// defaults; fields that only a newer caller has must be 0. Any thread.
 #pragma once
 
 #include <sideray/service.h>
@@ -17,10 +17,10 @@ void require(const T* pointer, const char* name) {
   if (!pointer) fail(SIDERAY_INVALID_ARGUMENT, "{}: is NULL; give a valid pointer", name);
 }
 
-// A caller that left `size` uninitialised gives nonsense; no version of a struct will be this much larger than today's.
+// No version of a struct is this much larger than today's: a larger `size` was left uninitialised.
 inline constexpr size_t most_unknown_bytes = 4096;
 
-// Throws if `size` cannot be that of any version of a struct that has `known_bytes` today.
+// Throws Failure if no version of a struct that has `known_bytes` today can have this `size`.
 inline void require_size(size_t size, size_t known_bytes, const char* name) {
   if (size < sizeof(size_t) || size > known_bytes + most_unknown_bytes)
     fail(SIDERAY_INVALID_ARGUMENT, "{}: size is {}, where this version has {}; set it to sizeof(the struct)", name,
@@ -36,8 +36,8 @@ void init_struct(T* out, size_t size, T defaults) noexcept {
   std::memcpy(static_cast<void*>(out), &defaults, std::min(size, sizeof(T)));
 }
 
-// Copies a struct of any version: fields that an older caller's lacks have their defaults, and those of a newer caller
-// beyond ours must be 0, for they cannot be obeyed. The copy's size is ours.
+// Copies a struct of any version: fields that an older caller lacks have their defaults, and fields that only a newer
+// caller has must be 0, since they cannot be honoured. The copy has our size.
 template <typename T>
 T read_struct(const T* given, const char* name, void (*init)(T*, size_t)) {
   require(given, name);
@@ -55,12 +55,12 @@ T read_struct(const T* given, const char* name, void (*init)(T*, size_t)) {
   return read;
 }
 
-// Returns what a rate is read as: those of version 0.2 that reused frames are full ones until 0.4.
+// Returns the rate in use: until version 0.4, those of 0.2 that reused frames count as full.
 inline sideray_cache_rate read_rate(sideray_cache_rate rate) {
   return rate == SIDERAY_RATE_TEMPORAL4 || rate == SIDERAY_RATE_TEMPORAL8 ? SIDERAY_RATE_FULL : rate;
 }
 
-// Fills the caller's struct up to its size, which stays.
+// Fills the caller's struct up to its size, and keeps that size.
 template <typename T>
 void write_struct(T* out, const T& filled, const char* name) {
   require(out, name);
@@ -71,7 +71,7 @@ void write_struct(T* out, const T& filled, const char* name) {
   out->size = size;
 }
 
-// Copies the i-th struct of an array whose elements lie `stride_bytes` apart; what an older caller's lacks is 0.
+// Copies the i-th struct of an array with a stride of `stride_bytes`; fields that an older caller lacks are 0.
 template <typename T>
 T read_element(const T* array, size_t stride_bytes, size_t i) {
   T element{};
@@ -85,7 +85,7 @@ void write_element(T* array, size_t stride_bytes, size_t i, const T& element) {
   std::memcpy(reinterpret_cast<unsigned char*>(array) + i * stride_bytes, &element, std::min(stride_bytes, sizeof(T)));
 }
 
-// Throws where no version of an element can be that far from the next.
+// Throws Failure where no version of an element fits the stride.
 template <typename T>
 void require_stride(size_t stride_bytes, const char* name) {
   if (stride_bytes == 0 || stride_bytes % alignof(T) != 0 || stride_bytes > sizeof(T) + most_unknown_bytes)
@@ -94,7 +94,7 @@ void require_stride(size_t stride_bytes, const char* name) {
          sizeof(T));
 }
 
-// The structs of an array of any version as ours: the caller's memory where its stride is ours, else copies in `copies`.
+// Returns the structs of an array of any version: the caller's memory if its stride is ours, otherwise `copies`.
 template <typename T>
 const T* read_elements(const T* array, size_t stride_bytes, size_t count, std::vector<T>& copies, const char* name) {
   if (count == 0) return array;

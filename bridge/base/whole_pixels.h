@@ -1,5 +1,5 @@
-// Says why no pixel of a layer cache can be whole (docs/adr/0020-whole-pixels.md): the one place of the rule, for options,
-// plan and hosts. Any thread.
+// Says why no pixel of a layer cache can be whole (docs/adr/0020-whole-pixels.md): the only place of this rule, for
+// options, plan and hosts. Any thread.
 #pragma once
 
 #include <sideray/renderer.h>
@@ -14,7 +14,7 @@ struct NoWholePixels {
 
 // `counts`: the mask counts the surfaces of each pixel.
 NoWholePixels no_whole_pixels(bool counts, sideray_cache_rate rate, bool host_shades);
-// The same for a picture, whose fragments have an order too.
+// Does the same for a picture, whose fragments also have an order.
 NoWholePixels no_whole_pixels(const sideray_translucency_options& options, bool host_shades);
 
 }  // namespace sideray::bridge

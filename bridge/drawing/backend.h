@@ -1,5 +1,5 @@
-// A backend draws the frames of pictures and keeps what passes from one to the next. One uses OpenGL with the service's rays
-// beside it (bridge/raster), the other rays alone (bridge/rays). One thread at a time.
+// A backend draws the frames of pictures, and keeps what passes from one frame to the next. There are two: OpenGL with
+// the service's rays beside it (bridge/raster), and rays alone (bridge/rays). One thread at a time.
 #pragma once
 
 #include <sideray/renderer.h>
@@ -32,10 +32,10 @@ struct FramePosition {
   uint32_t seed;
 };
 
-// Whether fragments are only drawn, or counted too and, where options say so, checked: an extra pass.
+// Says whether fragments are only drawn, or also counted and, where options say so, checked: an extra pass.
 enum class Fragments { drawn, counted };
 
-// Names what rays answer for a pixel.
+// Names the kinds of answers that rays give a pixel.
 enum class AnswerOf { lights, sky, reflections, layers };
 
 class Backend {
@@ -47,55 +47,55 @@ class Backend {
   virtual const gl::DeviceInfo& device() const = 0;
   virtual Drawing drawing() const = 0;
 
-  // A call of the renderer begins and ends; all others are called between. Throws Failure where nothing can be drawn.
+  // Begin and end a call of the renderer; all others are called between. Throws Failure where nothing can be drawn.
   virtual void begin_call() = 0;
   virtual void end_call() = 0;
   // Throws Failure (GL_FAILED) where the driver reported an error since the call began.
   virtual void require_no_errors() = 0;
 
-  // From now on another scene is drawn, whose snapshots and tracer follow. What was uploaded and traced of it before is
-  // used again.
+  // Draws another scene from now on, whose tracer and snapshots are set next. Reuses its uploads and history where they
+  // are still kept.
   virtual void change_scene(const sideray_scene* scene) = 0;
-  // A scene that is not drawn now, nor again: what is kept of it goes.
+  // Frees everything kept for a scene that is not the current one and will not be drawn again.
   virtual void forget_scene(const sideray_scene* scene) = 0;
-  // The tracer of the scene, which outlives its use.
+  // Sets the tracer of the scene, which must outlive its use.
   virtual void set_tracer(sideray_tracer* tracer) = 0;
   virtual void set_scene(std::shared_ptr<const model::Snapshot> snapshot) = 0;
-  // These do what gl::Rasterizer's functions of the same names do.
+  // Do what gl::Rasterizer's functions of the same names do.
   virtual void set_culled(std::span<const uint8_t> culled) = 0;
   virtual void resize(uint32_t width, uint32_t height) = 0;
   virtual gl::RasterView make_view(const sideray_camera& camera, glm::vec2 jitter) const = 0;
 
   virtual FrameCounters draw(PictureJob& job, const FramePosition& position, FrameTimer& timer, Fragments fragments) = 0;
-  // Returns when all that was drawn is there.
+  // Returns when all drawing is complete.
   virtual void finish() = 0;
   virtual void forget_shadow_maps() = 0;
 
-  // Whether it can draw some tiles of a picture and leave the others as they are (Sequence::wanted()); then it has average().
+  // Returns whether it can draw only some tiles of a picture (Sequence::wanted()); then it has average().
   virtual bool draws_parts() const = 0;
   virtual void average(const gl::FrameBefore& before) = 0;
-  // The averages over time, as gl::Rasterizer has them.
+  // Manage the temporal average, as gl::Rasterizer's functions do.
   virtual void keep_average() = 0;
   virtual void forget_averages() = 0;
   virtual void replace_average(const std::vector<glm::vec4>& picture) = 0;
 
-  // Read the frame that was drawn last, bottom row first, as gl::Rasterizer's functions do.
+  // Read the last frame, bottom row first, as gl::Rasterizer's functions do.
   virtual std::vector<glm::vec4> read_color() = 0;
   virtual std::vector<float> read_depth() = 0;
   virtual std::vector<uint8_t> read_stencil() = 0;
   virtual rt::OpaqueMaterials read_gbuffer() = 0;
-  // OpaqueMaterials::ids alone.
+  // Returns only OpaqueMaterials::ids.
   virtual std::vector<glm::uvec2> read_ids() { return read_gbuffer().ids; }
   virtual std::vector<glm::vec2> read_motion() = 0;
-  // Counts the translucent surfaces of each pixel, up to gl::mask_stencil_bits, whatever the frame itself needed.
+  // Counts the translucent surfaces of each pixel, up to gl::mask_stencil_bits, whatever mask the frame itself used.
   virtual std::vector<uint8_t> count_translucent(const PictureJob& job) = 0;
-  // Returns the frame's layers, FramePlan::layers_to_show() of them.
+  // Returns the frame's first FramePlan::layers_to_show() layers.
   virtual const rt::LayerCache& read_layers(const PictureJob& job) = 0;
-  // These return what the frame's jobs found; shadows: the first `bytes` of them, as they light the picture.
+  // Return results of the frame's jobs; read_shadows: the first `bytes` of the masks, as they light the picture.
   virtual std::vector<uint8_t> read_shadows(size_t bytes) = 0;
   virtual const rt::OcclusionMasks& masks() const = 0;
   virtual const rt::CompositeImage& composite() const = 0;
-  // Returns what MaskJob::answers() does, of each kind.
+  // Returns the answers of one kind, as MaskJob::answers() does.
   virtual std::vector<uint8_t> answers(AnswerOf of) const = 0;
 
  protected:

@@ -1,4 +1,4 @@
-// Counts what one frame of a picture did. Plain values; any thread.
+// Counts the work of one frame of a picture. Plain values; any thread.
 #pragma once
 
 #include <sideray/renderer.h>
@@ -12,12 +12,12 @@ namespace sideray::bridge {
 
 struct FrameCounters {
   rt::Counters trace;
-  gl::FragmentCounts fragments;  // where they are counted
-  uint64_t duplicated = 0;       // layers that are there twice; with sideray_translucency_options::check
+  gl::FragmentCounts fragments;  // only where they are counted
+  uint64_t duplicated = 0;       // layers that occur twice; with sideray_translucency_options::check
   void operator+=(const FrameCounters& frame);
 };
 
-// Fills the part of the statistics that frames count.
+// Fills the counters of the statistics.
 void state_counters(const FrameCounters& counters, sideray_render_stats& stats);
 
 }  // namespace sideray::bridge

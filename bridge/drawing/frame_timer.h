@@ -1,4 +1,4 @@
-// Times the stages of a frame by the wall clock: timer queries measure nothing on software drivers. The backend's thread.
+// Times a frame's stages by the wall clock: timer queries measure nothing on software drivers. The backend's thread.
 #pragma once
 
 #include <sideray/renderer.h>
@@ -16,7 +16,7 @@ class FrameTimer {
  public:
   enum class Mode {
     off,    // stages just run
-    staged  // each stage stands alone, what was drawn before is waited for; times add up over the samples of a frame
+    staged  // each stage first waits for what was drawn before; times add up over the samples of a frame
   };
   FrameTimer(Backend& backend, Mode mode) : backend_(backend), mode_(mode) {}
 
@@ -32,7 +32,7 @@ class FrameTimer {
     backend_.finish();
     ms_[stage] += watch.ms();
   }
-  // Adds the stages that the service timed itself.
+  // Adds the stages that the service timed.
   void add(const rt::Counters& trace) {
     ms_[SIDERAY_STAGE_READBACK] += trace.readback_ms;
     ms_[SIDERAY_STAGE_TRACE] += trace.trace_ms;

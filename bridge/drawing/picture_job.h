@@ -1,5 +1,5 @@
-// One picture that is being drawn: what it is drawn with and from, all decided before its first frame. Frames, outputs
-// and measurements are functions of it. The backend's thread.
+// Holds a picture that is being drawn: its inputs and its plan, fixed before its first frame. Frames, outputs and
+// measurements are functions of it. The backend's thread.
 #pragma once
 
 #include <sideray/renderer.h>
@@ -26,14 +26,14 @@ struct PictureJob {
   const FramePlan plan;
   const sideray_camera camera;
   const RenderOptions options;
-  const std::atomic<bool>& cancelled;  // by another thread
-  bool has_frame = false;  // a frame was drawn, which the next one repeats (to time it)
+  const std::atomic<bool>& cancelled;  // set by another thread
+  bool has_frame = false;  // a frame was drawn; the next one repeats it, to time it
   bool keeps_masks = false;  // the repetition reuses the masks
 
   gl::RasterView view_of(uint32_t sample) const {
     return backend.make_view(camera, sequence.jitter(plan, sample));
   }
-  // Throws Failure (CANCELLED). What was drawn since it was cancelled may be unfinished.
+  // Throws Failure (CANCELLED). After a cancellation the last frames may be incomplete.
   void require_wanted() const {
     if (cancelled) fail(SIDERAY_CANCELLED, "picture: cancelled");
   }

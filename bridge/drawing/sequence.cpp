@@ -24,17 +24,17 @@ bool same_camera(const sideray_camera& a, const sideray_camera& b) {
          a.shift_y == b.shift_y;
 }
 
-// Returns whether layers that a budget leaves out are there in the next frame, so that a position is whole in the end.
+// Returns whether the next frame traces the layers that a budget left out, so that a position becomes complete.
 bool keeps_layers(const FramePlan& plan) {
   return !plan.traces || plan.draws_by_rays() || (!plan.composites() && plan.layers.cache_rate == SIDERAY_RATE_FULL);
 }
 
-// A picture under a deadline may lack answers, which a mean would keep.
+// Returns whether pictures may be accumulated. Under a deadline pixels may lack answers, and the mean would keep that.
 bool may_add(const FramePlan& plan, const RenderOptions& o, bool has_budget) {
   return plan.averages && o.picture.deadline_ms <= 0.0f && (!has_budget || keeps_layers(plan));
 }
 
-// Whether parts of a picture can be drawn: none of its outputs and passes shows what another part of the frame has.
+// Returns whether single tiles can be drawn: no output or pass needs the content of other tiles.
 bool has_parts(const FramePlan& plan, const RenderOptions& o, const model::Snapshot& snapshot) {
   constexpr uint32_t traced = SIDERAY_AOV_LAYERS | SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE | SIDERAY_AOV_FIRST |
                               SIDERAY_AOV_GLASS | SIDERAY_AOV_BEHIND | SIDERAY_AOV_REFRACTION | SIDERAY_AOV_ANSWERS;
@@ -48,7 +48,7 @@ bool same_bytes(const T& a, const T& b) {
   return std::memcmp(&a, &b, sizeof(T)) == 0;
 }
 
-// Whether frames of equal options do the same for whatever has not moved.
+// Returns whether frames with the same options treat everything that has not moved in the same way.
 bool same_plans(const FramePlan& a, const FramePlan& b) {
   return a.traces == b.traces && a.draws_mask == b.draws_mask && a.shadow_maps == b.shadow_maps &&
          a.rasters_translucency == b.rasters_translucency && a.traced == b.traced && a.mask_kind == b.mask_kind &&
@@ -58,14 +58,14 @@ bool same_plans(const FramePlan& a, const FramePlan& b) {
          same_bytes(a.irradiance, b.irradiance);
 }
 
-// Returns what moves from a picture to one that is drawn alike; nothing where that may be everything.
+// Returns what moved between two pictures with the same options; nullopt where that may be everything.
 std::optional<std::vector<rt::Mover>> movers_between(const PictureInputs& before, const PictureInputs& now, bool same_plans) {
   if (before.snapshot == now.snapshot) return std::vector<rt::Mover>{};
   if (!same_plans) return std::nullopt;
   return rt::find_movers(*before.snapshot, *now.snapshot);
 }
 
-// Returns whether so much of a picture restarts that it is drawn as a whole: then masks gain more from their history.
+// Returns whether so many tiles restart that all do: in a picture restarted as a whole, masks use their history.
 bool are_too_many(const std::vector<uint8_t>& changes) {
   const auto same = static_cast<size_t>(std::ranges::count(changes, tile_unchanged));
   return 4 * same < changes.size();
@@ -82,7 +82,7 @@ bool Sequence::draws_alike(const FramePlan& plan, const PictureInputs& inputs) c
          draw_alike(inputs.options, inputs_.options);
 }
 
-// Lets the still view go on, in parts where something has moved; returns false where all of it has to begin anew.
+// Continues the still view, except in tiles where something moved; returns false where all tiles must restart.
 bool Sequence::repeat(const FramePlan& plan, const PictureInputs& inputs, const std::vector<rt::Mover>& movers) {
   if (movers.empty()) {
     still_.repeat();
@@ -95,7 +95,7 @@ bool Sequence::repeat(const FramePlan& plan, const PictureInputs& inputs, const 
   std::vector<uint8_t> changes = tiles_that_see(movers, {before, now, view, plan.width, plan.height, reach_.get(), plan.bounces});
   is_restless_ = are_too_many(changes);
   if (is_restless_) return false;
-  // A view that has just come to rest begins as a whole. Otherwise the average over time goes on from what is shown.
+  // A view just come to rest starts with all tiles. Otherwise the temporal average continues from what is shown.
   if (!still_.has_added())
     std::ranges::fill(changes, tile_changed);
   else
@@ -137,9 +137,9 @@ void Sequence::begin(const FramePlan& plan, PictureInputs inputs) {
   if (movers && (is_settled_ || still_.has_added()) && repeat(plan, inputs, *movers)) {
     is_kept_ = still_.is_done();
   } else {
-    // The average over time goes on from what the still view had become.
+    // The temporal average continues from the picture that the still view showed last.
     if (averaged_ > 0 && still_.has_added()) backend_.replace_average(still_.shown());
-    // A view at rest has the random numbers of its first picture.
+    // A view at rest keeps the random numbers of its first picture.
     still_.restart(rests_for_ == 1 ? plan.seed : still_.seed(), plan.width, plan.height);
     reach_.reset();
   }
@@ -162,7 +162,7 @@ void Sequence::keep(const FramePlan& plan, gl::FrameBefore frame, const Picture&
   ++averaged_;
 }
 
-// The first picture of a sequence has no jitter: it equals the picture drawn alone.
+// Returns no jitter for the first picture of a sequence, so that it equals the picture drawn alone.
 glm::vec2 Sequence::jitter(const FramePlan& plan, uint32_t sample) const {
   if (adds()) return sample_jitter(still_.position(), StillPicture::positions);
   if (!plan.averages) return sample_jitter(sample, plan.samples);
@@ -170,7 +170,7 @@ glm::vec2 Sequence::jitter(const FramePlan& plan, uint32_t sample) const {
   return averaged_ == 0 ? glm::vec2(0) : sample_jitter(averaged_ % period, period);
 }
 
-// Each position has random numbers of its own.
+// Returns a random seed of its own for each position.
 uint32_t Sequence::seed(const FramePlan& plan, uint32_t sample) const {
   const uint32_t position = adds() ? still_.position() : sample;
   const uint32_t seed = adds() ? still_.seed() : plan.seed;
@@ -185,9 +185,9 @@ void Sequence::show(const FramePlan& plan, const rt::Counters& trace, std::vecto
     colors = whole ? still_.add(colors, average) : still_.wait();
     return;
   }
-  // Pixels may lack answers even then, where reprojection did not reach them.
+  // Even if no frames wait, pixels that reprojection did not reach may lack answers.
   is_settled_ = trace.frames_waiting < rests_for_;
-  // Under a budget half of the average, or more, may still show the view before the change: it counts as fewer
+  // Under a budget, half of the average or more may still show the view before the change, so that it counts as fewer
   // positions.
   const uint32_t counts = has_budget(inputs_.options) ? std::min(averaged_ + 1, most_averaged_under_budget) : averaged_ + 1;
   if (plan.averages) still_.begin_with(colors, counts);

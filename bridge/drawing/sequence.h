@@ -1,4 +1,4 @@
-// What a renderer keeps from one picture of a sequence to the next. The backend's thread.
+// Keeps what a renderer passes from one picture of a sequence to the next. The backend's thread.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 
 namespace sideray::bridge {
 
-// All that a picture is drawn from. Snapshots that show the same are one.
+// Holds everything that a picture is drawn from. Snapshots that show the same share one pointer.
 struct PictureInputs {
   sideray_camera camera;
   RenderOptions options;
@@ -29,38 +29,38 @@ class Sequence {
  public:
   explicit Sequence(Backend& backend) : backend_(backend) {}
 
-  // A picture begins: where it continues none, the pictures before it are forgotten. Where it is done() already, nothing
-  // else is to be called until the next one begins.
+  // Begins a picture; one that does not continue forgets the pictures before it. If done() then returns a picture, call
+  // nothing else until the next begin().
   void begin(const FramePlan& plan, PictureInputs inputs);
-  // Returns the last picture once more, with its statistics, where a still view has added up all positions; otherwise null.
+  // Returns the last picture again, with its statistics, if a still view has added all positions; otherwise null.
   std::unique_ptr<Picture> done() const;
-  // The picture is done, and the next one may continue it. After a failure no picture can.
+  // Ends a picture that the next one may continue. After a failure, when it is not called, none can.
   void keep(const FramePlan& plan, gl::FrameBefore frame, const Picture& picture);
-  // Another scene is drawn from now on.
+  // Call it where another scene is drawn from now on.
   void forget() { is_kept_ = false; }
 
   const gl::FrameBefore& before() const { return before_; }
-  // Whether the view stands still, so that the picture is added to those before.
+  // Returns whether the view stands still, so that the picture is added to those before.
   bool adds() const { return still_.adds(); }
-  // Under a budget a position of a still view takes several frames: how many it has taken, this one included; otherwise 0.
+  // Returns how many frames a position of a still view has taken under a budget, this one included; otherwise 0.
   uint32_t position_frames() const { return adds() && has_budget(inputs_.options) ? still_.position_frames() : 0; }
-  // Whether the frame continues the last one: a picture that is accumulated uses no history. Under a budget it shows
+  // Returns whether the frame continues the last one: an accumulated picture uses no history. Under a budget it shows
   // history until it has its own answers, so that they are there when something moves.
   bool follows() const { return !adds() || position_frames() > 0; }
-  // Whether pictures are accumulated and some tiles restart, since they see something move. These show the temporal
-  // average.
+  // Returns whether pictures are accumulated and some tiles restart because they see something move. These tiles show
+  // the temporal average.
   bool begins_tiles() const { return still_.adds() && still_.begins_tiles(); }
-  // The tiles that must be drawn; null: all. The contents of the others do not matter.
+  // Returns the tiles to draw; null: all. The content of the others does not matter.
   std::shared_ptr<const rt::WantedTiles> wanted(const FramePlan& plan);
-  // Of these, those in which surfaces are lit anew; in the others masks and reflections are as they were.
+  // Returns the tiles of wanted() that are relit; in its other tiles masks and reflections stay as they are.
   std::shared_ptr<const rt::WantedTiles> wanted_light(const FramePlan& plan);
-  // Where the picture's position of number `sample` lies, in pixels from the pixel's centre, and its random numbers.
+  // Return the offset of position `sample` from the pixel's centre, in pixels, and its random seed.
   glm::vec2 jitter(const FramePlan& plan, uint32_t sample) const;
   uint32_t seed(const FramePlan& plan, uint32_t sample) const;
-  // How many positions the picture is the mean of.
+  // Returns the number of positions that the picture averages.
   uint32_t positions(const FramePlan& plan) const { return adds() ? std::max(still_.added(), 1u) : plan.samples; }
-  // Takes the colours that were drawn, bottom row first, and makes them those to be shown. `trace`: what rays had a turn. `average`:
-  // with begins_tiles(), what the average over time makes of them.
+  // Takes the drawn colours, bottom row first, and replaces them by those to show. `trace`: counters that tell which
+  // answers are late. `average`: with begins_tiles(), the temporal average that includes them.
   void show(const FramePlan& plan, const rt::Counters& trace, std::vector<glm::vec4>& colors,
             const std::vector<glm::vec4>& average);
 
@@ -72,16 +72,16 @@ class Sequence {
 
   Backend& backend_;
   bool is_kept_ = false;  // the next picture may continue the last one
-  PictureInputs inputs_;  // of the last one
-  FramePlan plan_{};      // likewise
+  PictureInputs inputs_;  // of the last picture
+  FramePlan plan_{};      // of the last picture
   gl::FrameBefore before_;
   uint32_t averaged_ = 0;  // pictures in a row that were averaged over time before this one
-  uint32_t rests_for_ = 0;   // pictures since something has changed, this one included
+  uint32_t rests_for_ = 0;   // pictures since something changed, this one included
   bool is_settled_ = false;  // the last one showed no history from before that change
   StillPicture still_;
-  std::shared_ptr<rt::TileReach> reach_;  // of its rays
-  bool is_restless_ = false;  // so much moved that the whole picture restarted, and the view has not been at rest since
-  Picture last_;  // once it is done
+  std::shared_ptr<rt::TileReach> reach_;  // of the still view's rays
+  bool is_restless_ = false;  // so much moved that the whole picture restarted, and the view has not rested since
+  Picture last_;  // set once it is done
 };
 
 }  // namespace sideray::bridge

@@ -1,4 +1,4 @@
-// What the renderer asks of a frame's jobs. Any thread.
+// Makes the inputs of a picture's jobs. Any thread.
 #pragma once
 
 #include "bridge/base/frame_inputs.h"
@@ -6,7 +6,7 @@
 
 namespace sideray::bridge {
 
-// All but the names of OpenGL's objects.
+// Returns all inputs except the names of OpenGL objects.
 FrameInputs trace_inputs(const PictureJob& job, const FramePosition& position);
 
 }  // namespace sideray::bridge

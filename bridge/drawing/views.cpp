@@ -11,8 +11,8 @@ namespace sideray::bridge {
 
 namespace {
 
-// Matrices of a camera that is scaled or sheared pass the range of floats, or have no inverse, long before its numbers
-// pass that of doubles.
+// Throws Failure for a scaled or sheared camera: its matrices exceed the range of floats, or have no inverse, long
+// before its own numbers exceed that of doubles.
 void check_pose(const double* m) {
   constexpr double largest = 1e15, tolerance = 1e-3;
   for (int i = 0; i < 12; ++i)
@@ -51,7 +51,7 @@ void check_camera(const sideray_camera& c) {
          c.shift_y);
 }
 
-// The Halton sequence in bases 2 and 3 (Halton 1964), from its point 1.
+// Returns point i + 1 of the Halton sequence in bases 2 and 3 (Halton 1964).
 glm::vec2 sample_jitter(uint32_t i, uint32_t samples) {
   if (samples <= 1) return glm::vec2(0);
   const auto radical_inverse = [](uint32_t n, uint32_t base) {

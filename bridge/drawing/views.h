@@ -1,4 +1,4 @@
-// Where pictures are seen from: cameras, positions within the pixel, and views as a host says them. Any thread.
+// Defines where pictures are seen from: cameras, positions within the pixel, and views as hosts state them. Any thread.
 #pragma once
 
 #include <sideray/renderer.h>
@@ -9,13 +9,13 @@
 
 namespace sideray::bridge {
 
-// Throws Failure (INVALID_ARGUMENT) and names what is wrong.
+// Throws Failure (INVALID_ARGUMENT) that names the fault.
 void check_camera(const sideray_camera& camera);
 
-// Offset from the pixel centre of sample i of n, in pixels. One sample is the centre itself.
+// Returns the offset from the pixel centre of sample i of n, in pixels. A single sample is at the centre.
 glm::vec2 sample_jitter(uint32_t i, uint32_t samples);
 
-// The rasterizer's camera, as a host would state it: in world space.
+// Returns the rasterizer's camera as a host would state it: in world space.
 sideray_view world_view(const gl::RasterView& view, glm::dvec3 origin);
 
 }  // namespace sideray::bridge

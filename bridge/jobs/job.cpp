@@ -5,8 +5,8 @@
 namespace sideray::bridge {
 namespace {
 
-constexpr float least_share = 0.125f;            // least share of the allowed time that rays get
-constexpr std::chrono::microseconds no_time(1);  // shorter times are 0: whether a ray begins in them is chance
+constexpr float least_share = 0.125f;            // of the allowed time that rays get
+constexpr std::chrono::microseconds no_time(1);  // shorter times count as 0: whether a ray begins in them is chance
 
 }  // namespace
 

@@ -1,7 +1,7 @@
-// A job makes one kind of output of a view's frames: it says what is read back, traces, filters and uploads. The
-// service moves all jobs alike. Each object keeps one view's images, textures and history from frame to frame; trace()
+// A job makes one kind of output of a view's frames: it says what to read back, traces, filters and uploads. The
+// service treats all jobs alike. Each object keeps one view's images, textures and history from frame to frame; trace()
 // runs on the worker thread, everything else on the GL thread. While trace() runs, only check(), texture_reads() and
-// the outputs are asked for.
+// the outputs may be used.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -21,7 +21,7 @@
 
 namespace sideray::bridge {
 
-// A frame as its jobs see it on either thread.
+// Holds a frame for its jobs, on either thread.
 struct JobFrame {
   const FrameInputs& inputs;
   sideray_ticket ticket;
@@ -30,25 +30,25 @@ struct JobFrame {
   bool multisampled;                // the target that depth was read from
 };
 
-// A texture of the host that is read back for a job, the rectangle of the frame's source.
+// Describes a texture of the host that is read back for a job, within the rectangle of the frame's source.
 struct TextureRead {
-  const char* name = "";  // the input's, for errors
+  const char* name = "";  // the input's name, for errors
   uint32_t texture = 0;   // 0 = nothing is read
   ReadTexel texel = rgba_floats;
 };
 inline constexpr size_t most_textures_read = 2;
 using TextureReads = std::array<TextureRead, most_textures_read>;
 
-// The input of a trace; it is valid while trace() runs.
+// Holds the inputs of trace(), valid while it runs.
 struct TraceInput {
   rt::Tracer& tracer;  // holds the frame's snapshot
   rt::DepthImage depth;
-  std::span<const uint8_t> mask_bytes;                            // a pixel: SIDERAY_MASK_TEXTURE, _MEMORY
-  std::array<std::span<const std::byte>, most_textures_read> textures;  // as texture_reads() says
+  std::span<const uint8_t> mask_bytes;                            // a byte per pixel: SIDERAY_MASK_TEXTURE, _MEMORY
+  std::array<std::span<const std::byte>, most_textures_read> textures;  // in the order of texture_reads()
   std::array<bool, most_textures_read> are_halfs{};  // whether the texels were read as halfs
-  float subpixel;                                                 // by how much of a pixel vertices move, at most
+  float subpixel;                                                 // the most that vertices snap, in pixels
   const std::atomic<bool>& cancelled;
-  rt::WorkTime work;                // that rays have
+  rt::WorkTime work;                // the time and pieces that rays have
   rt::ShadingQueue* shading_queue;  // SIDERAY_SHADE_IN_CALLS; otherwise null
 
   template <typename Texel>
@@ -63,35 +63,35 @@ class Job {
 
   virtual uint32_t bit() const = 0;  // SIDERAY_JOB_*
 
-  // Throws Failure (INVALID_ARGUMENT, UNSUPPORTED) that names the input of this job and what it may be.
+  // Throws Failure (INVALID_ARGUMENT, UNSUPPORTED) that names the input of this job and the values it may have.
   virtual void check(const gl::Functions& gl, const FrameInputs& inputs, const model::Snapshot& snapshot) const = 0;
   virtual bool reads_stencil(const FrameInputs& inputs) const = 0;
   virtual TextureReads texture_reads(const FrameInputs&) const { return {}; }
-  // The share that the job may take of the time that is left under a deadline when tracing begins.
+  // Returns the share of the time left under a deadline that the job may take when its tracing begins.
   virtual double share_of_time(const FrameInputs&) const { return 1.0; }
 
   // Fills the job's image.
   virtual rt::Counters trace(const JobFrame& frame, const TraceInput& input) = 0;
 
-  // Makes everything that the next upload needs, so that the upload cannot fail. Leaves the outputs unchanged. Needs
-  // unit 0 active, and guards over its textures and pixel transfer. Throws Failure.
+  // Allocates everything that the next upload needs, so that the upload cannot fail. Leaves the outputs unchanged.
+  // Needs unit 0 active, and guards over its textures and pixel transfer. Throws Failure.
   virtual void prepare(const gl::Functions& gl, const JobFrame& frame) = 0;
-  // Moves the image's texels and returns their bytes. Needs guards over pixel transfer and unit 0's textures.
+  // Uploads the image's texels and returns their bytes. Needs guards over pixel transfer and unit 0's textures.
   virtual uint64_t upload(const gl::Functions& gl, const JobFrame& frame, const UploadWay& way) = 0;
-  // Makes the outputs those of this frame.
+  // Sets the outputs to those of this frame.
   virtual void publish(const JobFrame& frame) = 0;
   virtual uint64_t texture_bytes() const = 0;
 
-  // Called if the image that was traced last is not going to be uploaded.
+  // Is called where the image that was traced last will not be uploaded.
   virtual void give_up() {}
-  // Drops all OpenGL objects without calling OpenGL; there are no outputs any longer.
+  // Drops all OpenGL objects without calling OpenGL, and the outputs with them.
   virtual void abandon() = 0;
 };
 
-// Returns where a frame stands in its jobs' histories.
+// Returns whether a frame is first, continues or repeats in its jobs' histories.
 rt::SequenceStep sequence_step(const FrameInputs& inputs);
 
-// Says until when a job's rays may begin under a deadline. `start`: when the frame was submitted.
+// Returns the limit of a job's rays under a deadline. `start`: when the frame was submitted.
 rt::WorkTime time_of(const Job& job, const FrameInputs& inputs, rt::Deadline start);
 
 }  // namespace sideray::bridge

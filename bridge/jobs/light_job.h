@@ -1,4 +1,4 @@
-// A job whose answer is one texture of light for a view's opaque pixels. Threads: those of Job.
+// A job whose output is one texture of light for a view's opaque pixels. Threads: those of Job.
 #pragma once
 
 #include <concepts>
@@ -13,14 +13,14 @@
 
 namespace sideray::bridge {
 
-// Returns what all jobs of light ask for.
+// Returns the part of the request that all jobs of light share.
 rt::LightRequest light_request(const JobFrame& frame, const TraceInput& input, std::span<const rt::OpaquePoint> points,
                                bool denoise, rt::StillFrames& still);
 
-// Returns the points that rays find, of inputs whose depth rays found too; otherwise none.
+// Returns the points that rays find, if rays also found the inputs' depth; otherwise none.
 std::vector<rt::OpaquePoint> exact_points(const JobFrame& frame, const TraceInput& input);
 
-// `Outputs` is the public struct, `History` what is kept of earlier frames.
+// `Outputs` is the public struct; `History` holds the results of earlier frames.
 template <typename Outputs, typename History>
 class LightJob : public Job {
  public:
@@ -48,7 +48,7 @@ class LightJob : public Job {
  protected:
   virtual LightImage light() const = 0;
 
-  // Fills the image by `trace`, which returns counters, and takes its time. No frame follows one that is cancelled.
+  // Fills the image by `trace`, which returns counters, and times it. No frame follows a cancelled one.
   rt::Counters fill(const TraceInput& input, const std::invocable auto& trace) {
     const Stopwatch watch;
     rt::Counters counters = trace();

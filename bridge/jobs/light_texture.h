@@ -1,4 +1,4 @@
-// The texture that holds light of a frame's opaque pixels: what they mirror, or what other surfaces throw on them. GL thread.
+// Holds a texture of light on a frame's opaque pixels: what they mirror, or the light of other surfaces. GL thread.
 #pragma once
 
 #include <cstdint>
@@ -10,21 +10,21 @@
 
 namespace sideray::bridge {
 
-// Refers to four halfs a pixel. `what` is named in errors.
+// Refers to an image of four halfs a pixel. `what` names it in errors.
 struct LightImage {
   const char* what;
   uint32_t width, height;
   const uint16_t* halfs;
-  bool changed;  // since it was uploaded last
+  bool changed;  // since the last upload
 };
 
 class LightTexture {
  public:
-  // Uploads the tiles that are wanted, null: all of it, and all where the texture is new. Returns the bytes moved. Needs guards
-  // over the pixel transfer state and the active unit's textures.
+  // Uploads the wanted tiles (null: all), and everything where the texture is new. Returns the bytes moved. Needs
+  // guards over the pixel transfer state and the active unit's textures.
   uint64_t upload(const gl::Functions& gl, const LightImage& image, const rt::WantedTiles* wanted,
                   const UploadWay& way);
-  // As in CacheTextures.
+  // Does the same as in CacheTextures.
   void prepare(const gl::Functions& gl, const LightImage& image);
   void abandon();
   uint64_t bytes() const { return uint64_t{8} * now_.width * now_.height; }

@@ -11,7 +11,7 @@ namespace {
 constexpr uint32_t most_repeats = 10000;
 constexpr float most_stops = 64.0f;
 
-// Whether a reference reads the row: what it decides itself has no value that may be said beside it.
+// Returns whether a reference reads the row: it decides some rows itself, which then accept no value.
 bool is_read(const OptionRow& row, const OptionValues& v) {
   const bool is_decided = row.beside_reference && !*row.beside_reference;
   return !v.is_reference || !is_decided;
@@ -25,7 +25,7 @@ void check_rows(const OptionValues& values) {
   }
 }
 
-// Checks what only the structs have.
+// Checks fields that only the structs have.
 void check_picture(const RenderOptions& o) {
   if (o.picture.repeats > most_repeats)
     fail(SIDERAY_INVALID_ARGUMENT, "repeats {}: give 0 to {}", o.picture.repeats, most_repeats);

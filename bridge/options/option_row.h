@@ -1,4 +1,4 @@
-// One row of the table of options: what is public of it, and what the library does with it. Any thread.
+// Describes one row of the option table: its public part, and what the library does with it. Any thread.
 #pragma once
 
 #include <sideray/options.h>
@@ -12,12 +12,12 @@
 
 namespace sideray::bridge {
 
-// A value as its row understands it.
+// Holds a parsed value.
 struct OptionValue {
   std::string text;
-  // Of a choice or a word beside numbers what the row says of it, of a switch or flag 0 or 1, else the number.
+  // The number of a choice or word by its row; of a switch or flag, 0 or 1; otherwise the value itself.
   double number = 0;
-  uint32_t width = 0, height = 0;  // of a size
+  uint32_t width = 0, height = 0;  // only of a size
   bool is_word = false;
 
   bool on() const { return number != 0; }
@@ -29,7 +29,7 @@ struct OptionWord {
   int64_t value;
 };
 
-// The scene as far as options depend on it.
+// Holds the facts of the scene that options depend on.
 struct OptionScene {
   const sideray_scene_facts& facts;
   bool has_translucency() const { return facts.translucent_objects > 0 || facts.sprites > 0; }
@@ -44,35 +44,35 @@ struct Shortcut {
 };
 
 struct OptionRow {
-  sideray_option option{};          // its choices point into `choices`, once it is in the table
+  sideray_option option{};          // its choices point into `choices` once it is in the table
   std::vector<OptionWord> words;    // choices, or words beside numbers
-  std::vector<const char*> choices;  // the same as the public struct has them
+  std::vector<const char*> choices;  // the same words for the public struct
   const char* range = "";           // in words, where it is not minimum to maximum
 
-  // Writes a value to its field, and reads it from there. nullptr: it has no field, or is no number.
+  // Write a value to its field, and read it. nullptr: there is no field, or the value is no number.
   void (*store)(OptionValues&, const OptionValue&) = nullptr;
   double (*load)(const OptionValues&) = nullptr;
-  // Why the way of drawing does not read the option; nullptr where it does. Statistics leave it out then.
+  // Returns why the current way of drawing does not read the option, which statistics then omit; nullptr: it does.
   const char* (*unread)(const OptionValues&) = nullptr;
-  // Why it makes no difference although it is read; nullptr where it may make one.
+  // Returns why the option makes no difference although it is read; nullptr: it may make one.
   const char* (*idle)(const OptionValues&) = nullptr;
-  // An equivalent value for the scene, if there is one; "" = the default. nullptr: there is none.
+  // Returns an equivalent value for the scene; "" = the default. nullptr: the row has none.
   std::string (*settled)(const OptionValues&, const OptionScene&, const std::string& text) = nullptr;
-  // How the value makes pictures depend on those before them; nullptr: it does not.
+  // Returns how the value makes pictures depend on earlier ones; nullptr: it does not.
   sideray_past (*past)(const OptionValues&) = nullptr;
-  // Adds the shortcut that a value other than the exact one means, taken or not; nullptr: there is none.
+  // Adds the shortcut of values other than the exact one, whether taken or not; nullptr: there is none.
   void (*shortcuts)(const OptionValues&, const OptionScene&, std::vector<Shortcut>&) = nullptr;
-  // Throws Failure where the value contradicts other options. A public struct has a value for every option and is not
+  // Throws Failure where the value contradicts other options. Public structs have a value for every option and are not
   // checked for contradictions (the option is then ignored), unless `checks_structs`.
   void (*check)(const OptionValues&, const OptionValue&) = nullptr;
   bool checks_structs = false;
-  // Values that only the public structs accept: the command line has no word for them.
+  // Values that only the public structs accept, since the command line has no word for them.
   std::vector<double> in_structs = {};
-  // It says which random numbers are drawn, and nothing else.
+  // Whether it only selects random numbers.
   bool is_random = false;
-  // The value in effect if the option is not set, or if another option overrules it.
+  // Returns the value in effect if the option is not set, or if another option overrules it.
   std::string (*decided)(const OptionValues&, const std::string& text) = nullptr;
-  // The one value that may be said beside `reference`, which decides the option itself: "" = none, nullptr = all.
+  // The only value allowed together with `reference`, which decides the option itself: "" = none, nullptr = all.
   const char* beside_reference = nullptr;
 };
 
@@ -80,7 +80,7 @@ struct NumberRange {
   double minimum, maximum;
 };
 
-// Rows of each type.
+// Return rows of each type.
 OptionRow option_switch(const char* name, const char* default_value, const char* help);
 OptionRow option_flag(const char* name, const char* help);
 OptionRow option_choice(const char* name, std::vector<OptionWord> words, const char* default_value, const char* help);
@@ -90,13 +90,13 @@ OptionRow option_integer(const char* name, const char* placeholder, NumberRange 
                          const char* help);
 OptionRow option_text(const char* name, const char* placeholder, const char* default_value, const char* help);
 
-// The title of the options that most pictures need, first in the help.
+// The title of the options for most pictures, first in the help.
 constexpr const char* most_used = "Most used";
 
-// Gives the rows a title where they have none; diagnostics have their own.
+// Sets the title of rows that have none; diagnostics have their own.
 std::vector<OptionRow> under_title(const char* group, std::vector<OptionRow> rows);
 
-// Ties a row to a field of one of the structs.
+// Connects a row to a field of one of the structs.
 template <auto part, auto field>
 void bind(OptionRow& row) {
   row.store = [](OptionValues& v, const OptionValue& value) {
@@ -106,26 +106,26 @@ void bind(OptionRow& row) {
   row.load = [](const OptionValues& v) { return static_cast<double>((v.*part).*field); };
 }
 
-// The parts of the table, each in the order of docs/cli.md.
+// Return the parts of the table, each in the order of docs/cli.md.
 std::vector<OptionRow> leading_rows();
 std::vector<OptionRow> translucency_rows();
 std::vector<OptionRow> shadow_rows();
 std::vector<OptionRow> sampling_rows();
 
-// The surfaces of a ray where `layers` says nothing.
+// Returns the number of surfaces of a ray if `layers` is not set.
 uint32_t default_surfaces(const OptionValues& values);
 
-// The whole table. It lives for ever.
+// Returns the whole table, which is never destroyed.
 const std::vector<OptionRow>& option_table();
-// The row's place in the table; the number of rows where there is none of that name.
+// Returns the row's place in the table, or the number of rows where no row has that name.
 size_t option_place(const char* name);
 
 // Throws Failure (INVALID_ARGUMENT) that names the option and what it accepts.
 OptionValue parse_option(const OptionRow& row, const std::string& text);
-// Returns the value that the structs have for a row with `load`. Throws Failure as parse_option() does.
+// Returns the value in the structs of a row with `load`. Throws Failure as parse_option() does.
 OptionValue read_option(const OptionRow& row, const OptionValues& values);
 
-// Throws Failure (INVALID_ARGUMENT) where a side or all pixels are too many.
+// Throws Failure (INVALID_ARGUMENT) where a side or the number of pixels is too large.
 void check_size(uint32_t width, uint32_t height);
 
 }  // namespace sideray::bridge

@@ -15,13 +15,13 @@ void check_beside_reference(const OptionRow& row, const OptionValue& value) {
        row.option.name);
 }
 
-// Returns the value that an option has where it is not given, beside the values of the rows before it.
+// Returns the value of an option that is not given; it may depend on the rows before it.
 std::string default_of(const OptionRow& row, const OptionValues& before) {
   const char* preset = preset_value(before.quality, row.option.name, before);
   return preset ? preset : row.option.default_value;
 }
 
-// Whether the scene has nothing that options of the row's part are about.
+// Returns whether the scene has nothing that options of the row's part affect.
 bool has_no_use(const OptionRow& row, const OptionScene& scene) {
   const std::string_view part = row.option.part;
   return (part == "translucency" && !scene.has_translucency()) ||
@@ -82,7 +82,7 @@ const char* OptionSet::idle(size_t place) const {
 void OptionSet::reduce(const sideray_scene_facts& facts) {
   const std::vector<OptionRow>& table = option_table();
   bool changes = true;
-  // A row looks at others, which may come behind it.
+  // Repeats until nothing changes, since a row may depend on rows behind it.
   while (changes) {
     changes = false;
     for (size_t i = 0; i < table.size(); ++i) {

@@ -1,4 +1,4 @@
-// A set of options by name: the texts that were given, and the structs that follow from them. Any thread, one at a time.
+// Holds a set of options by name: the given texts, and the structs that follow from them. Any thread, one at a time.
 #pragma once
 
 #include <optional>
@@ -15,17 +15,17 @@ class OptionSet {
   OptionSet(const OptionSet& other);
   OptionSet& operator=(const OptionSet&) = delete;
 
-  // Places are those of option_table(). An empty text gives the default back. Throws Failure.
+  // Sets an option by its place in option_table(). An empty text restores the default. Throws Failure.
   void set(size_t place, const std::string& text);
   bool is_set(size_t place) const { return given_[place].has_value(); }
-  // The value that counts; lives until the next set().
+  // Returns the value in effect; valid until the next set().
   const std::string& text(size_t place) const { return texts_[place]; }
 
-  // Why the way of drawing has no use for the option; nullptr where it reads it.
+  // Returns why the current way of drawing does not read the option; nullptr where it does.
   const char* unread(size_t place) const;
-  // Why the option has no effect; nullptr where it may have one.
+  // Returns why the option has no effect; nullptr where it may have one.
   const char* idle(size_t place) const;
-  // Resets every option without effect in such a scene, given the others, to its default.
+  // Resets every option that has no effect in such a scene, given the others, to its default.
   void reduce(const sideray_scene_facts& facts);
   bool operator==(const OptionSet& other) const { return texts_ == other.texts_; }
 
@@ -35,7 +35,7 @@ class OptionSet {
   void check() const;
 
   const OptionValues& values() const { return values_; }
-  // Points into this set.
+  // Returns structs that point into this set.
   const sideray_render_options& render() const { return values_.picture; }
 
  private:

@@ -25,7 +25,7 @@ OptionRow row_of(const char* name, sideray_option_type type, const char* default
   return row;
 }
 
-// What every text of the public struct is where a row says nothing.
+// Sets texts of the public struct that the row leaves out to "".
 void fill_in(OptionRow& row) {
   for (const char** text : {&row.option.part, &row.option.placeholder, &row.option.default_value, &row.option.applies,
                             &row.option.exact_value, &row.option.help, &row.option.group})

@@ -9,7 +9,7 @@
 namespace sideray::bridge {
 
 struct OptionValues : RenderOptions {
-  Quality quality = Quality::balanced;  // source of the values of options that are not given
+  Quality quality = Quality::balanced;  // gives the values of options that are not set
   std::optional<uint32_t> surfaces;  // most layers or surfaces of a ray, 0 = unlimited; empty: the method's own default
 };
 

@@ -10,10 +10,10 @@ struct PresetValue {
   Quality quality;
   std::string_view option;
   const char* value;
-  std::optional<sideray_translucency> method = {};  // empty: whatever the method
+  std::optional<sideray_translucency> method = {};  // empty: any method
 };
 
-// `balanced` has every option's default. docs/cli.md says what pictures of the sets take and how near they are.
+// `balanced` has every option's default. docs/cli.md has the times and errors of the presets.
 constexpr PresetValue values[] = {
     {Quality::draft, "layers", "2", SIDERAY_TRANSLUCENCY_HYBRID},
     {Quality::draft, "refraction", "off"},

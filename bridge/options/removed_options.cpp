@@ -8,8 +8,8 @@ namespace sideray::bridge {
 namespace {
 
 struct Removed {
-  std::string_view name;   // of an option
-  std::string_view value;  // of the option; "" = the option is gone
+  std::string_view name;   // the option's name
+  std::string_view value;  // the removed value; "" = the whole option
   const char* instead;
 };
 
@@ -26,10 +26,10 @@ constexpr Removed removed[] = {
     {"unique-cap", "", "leave it out: poses all gives every instance its own pose"},
 };
 
-// Those that still are accepted.
+// Options and values that are still accepted.
 struct Mapped {
-  std::string_view name;   // of an option
-  std::string_view value;  // of the option; "" = any
+  std::string_view name;   // the option's name
+  std::string_view value;  // the option's value; "" = any
   const char* now;
 };
 

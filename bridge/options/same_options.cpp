@@ -8,7 +8,7 @@
 namespace sideray::bridge {
 namespace {
 
-// Compares structs whose only padding is behind their last member.
+// Compares structs without padding before their last member.
 template <typename T, typename Last>
 bool same_through(Last T::*last, const T& a, const T& b) {
   const auto* begin = reinterpret_cast<const std::byte*>(&a);

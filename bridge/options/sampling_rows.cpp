@@ -1,5 +1,4 @@
-// Options that say how large a picture is, with which set of values it begins, of what samples it is made, and what is
-// exact as a whole.
+// Defines options for the picture's size, its preset, its samples, and what is exact as a whole.
 #include <cstdint>
 
 #include "bridge/base/lighting.h"
@@ -15,7 +14,7 @@ const char* unless_exact(const OptionValues& v) {
   return v.is_exact() ? nullptr : "nothing is sampled without a reference";
 }
 
-// A picture that is an average already.
+// Returns whether the picture is already an average.
 bool is_average(const OptionValues& v) {
   return v.picture.samples > 1 || v.is_exact();
 }
@@ -207,7 +206,7 @@ OptionRow quality_row() {
 
 }  // namespace
 
-// `quality` comes before the options that it sets.
+// `quality` precedes the options that it sets.
 std::vector<OptionRow> leading_rows() {
   return {size_row(), quality_row()};
 }

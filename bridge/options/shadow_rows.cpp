@@ -1,4 +1,4 @@
-// Options that say how opaque surfaces are lit, and which geometry rays hit.
+// Defines options for the light on opaque surfaces, and for the geometry that rays hit.
 #include <fmt/format.h>
 #include <sideray/diagnostics.h>
 
@@ -11,7 +11,7 @@ const char* unless_inexact(const OptionValues& v) {
   return v.shadows.method == SIDERAY_SHADOWS_INEXACT ? nullptr : "no shadow ray is inexact";
 }
 
-// Whether rays hit anything whose pose counts.
+// Returns why poses do not matter; null where rays may hit a posed instance.
 const char* unless_posed(const OptionValues& v) {
   if (v.is_exact()) return "a reference poses every instance as it is drawn";
   const bool traces = v.has_masks() || v.picture.reflections != 0 || v.is_raytraced() ||
@@ -167,12 +167,12 @@ bool traces_reflections(const OptionValues& v, const OptionScene& scene) {
   return !v.is_reference && scene.facts.auto_reflections;
 }
 
-// Makes a row of rays that start at opaque surfaces. `automatic` is what the struct has for auto.
+// Makes a row for rays that start at opaque surfaces. `automatic` is the struct's value of auto.
 OptionRow opaque_rays_row(const char* name, int automatic, const char* help) {
   return option_choice(name, {{"auto", automatic}, {"on", 1}, {"off", 0}}, "auto", help);
 }
 
-// Returns what `auto` comes to in a reference, which has nothing to choose.
+// Returns the value in effect: a reference has nothing to choose and turns `auto` off.
 std::string decided_opaque(const OptionValues& v, const std::string& text) {
   return v.is_reference && text == "auto" ? "off" : text;
 }

@@ -1,4 +1,4 @@
-// Options that say how translucent surfaces are drawn.
+// Defines options for translucent surfaces.
 #include <sideray/diagnostics.h>
 
 #include "bridge/base/reuse.h"
@@ -10,7 +10,7 @@
 namespace sideray::bridge {
 namespace {
 
-constexpr uint32_t hybrid_layers = 4, raytraced_surfaces = 2;  // where the option says nothing
+constexpr uint32_t hybrid_layers = 4, raytraced_surfaces = 2;  // used where the option is not set
 constexpr int unlimited = 0, by_the_plan = -1;
 constexpr int most_cached = rt::most_cached_layers, most_composited = rt::most_composited_layers;
 
@@ -30,17 +30,17 @@ const char* without_layers(const OptionValues& v) {
   return v.is_hybrid() && v.translucency.layers == 0 ? "hybrid translucency without layers is raster" : nullptr;
 }
 
-// Whether fragments take layers at all.
+// Returns whether fragments look up layers at all.
 bool fills_cache(const OptionValues& v, const OptionScene& scene) {
   return v.is_hybrid() && v.translucency.layers > 0 && scene.facts.layered_objects > 0;
 }
 
-// Whether rays go through translucent surfaces with shortcuts.
+// Returns whether rays pass translucent surfaces with shortcuts.
 bool steps(const OptionValues& v, const OptionScene& scene) {
   return scene.has_translucency() && (fills_cache(v, scene) || v.is_raytraced());
 }
 
-// Whether every masked pixel is traced.
+// Returns whether every masked pixel is traced.
 bool is_full(const OptionValues& v) {
   return v.translucency.cache_rate == SIDERAY_RATE_FULL;
 }
@@ -111,8 +111,8 @@ OptionRow ray_traced_row() {
   return row;
 }
 
-// Checks the number of surfaces against the method's range. In the struct 0 means unlimited, but 0 layers if the method
-// is hybrid.
+// Checks the number of surfaces against the method's range. In the struct, 0 means unlimited, but 0 layers if the
+// method is hybrid.
 void check_layers(const OptionValues& v, const OptionValue& value) {
   if (!v.is_hybrid() && !v.is_raytraced()) return;
   const int least = v.is_hybrid() ? 0 : 1, most = v.is_hybrid() ? most_cached : most_composited;
@@ -146,7 +146,7 @@ bool follows_refraction(const OptionValues& v, const OptionScene& scene) {
   return v.is_raytraced() && v.translucency.refraction && scene.facts.bending_objects > 0;
 }
 
-// No more than a ray hits. What is refracted, or a sprite, counts beside the surfaces.
+// Limits the number to what a ray can hit. Not possible with refraction or sprites, which add to the surfaces.
 std::string settled_layers(const OptionValues& v, const OptionScene& scene, const std::string& text) {
   const bool is_raytraced = v.is_raytraced();
   const sideray_translucency_options& o = v.translucency;
@@ -225,7 +225,7 @@ OptionRow reuse_row() {
   return row;
 }
 
-// Options of the layer cache.
+// Completes a row that belongs to the layer cache.
 OptionRow of_the_cache(OptionRow row, const char* exact_value) {
   row.option.applies = "hybrid";
   row.option.cost = SIDERAY_COST_TRADE;
@@ -326,7 +326,7 @@ OptionRow match_threshold_row() {
   return row;
 }
 
-// Options of rays through translucent surfaces.
+// Completes a row that belongs to rays through translucent surfaces.
 OptionRow of_the_rays(OptionRow row, const char* exact_value) {
   row.option.applies = "hybrid and raytraced";
   row.option.cost = SIDERAY_COST_TRADE;

@@ -12,11 +12,11 @@ namespace {
 
 using Tiles = std::vector<uint8_t>;
 
-// The filters of masks read, by way of other pixels, up to two tiles away; those of layers one.
+// The most tiles between a pixel and what its filters read: for masks two, through other pixels; for layers one.
 constexpr uint32_t masks_read = 2, layers_read = 1, bounces_read = 2;
 constexpr double edge = 2.0;  // margin in pixels, for positions within the pixel and for rounding
 
-// Sets the tiles in which a box may be seen.
+// Sets the tiles where a box may be visible.
 void add_box(const ChangedView& v, const model::Bounds& box, Tiles& tiles) {
   if (box.empty()) return;
   const double size = rt::frame_tile_size;
@@ -48,17 +48,16 @@ void add_sprites(const ChangedView& v, const model::Snapshot& snapshot, size_t s
   for (const model::Sprite& sprite : snapshot.particles[system].sprites) add_box(v, rt::bounds_of(sprite), tiles);
 }
 
-// Sets the tiles that show a translucent surface. Where rays found no answer it is shaded by the rasterizer, whose
-// shadow maps change with whatever casts one, and which refracts what other pixels show; and its pixels are donors to
-// others.
+// Sets the tiles that show a translucent surface. The rasterizer shades it where rays found no answer; its shadow maps
+// change with every caster, and its refraction shows other pixels. Its pixels are also donors.
 void add_translucent(const ChangedView& v, const model::Snapshot& snapshot, Tiles& tiles) {
   for (const model::Instance& instance : snapshot.instances)
     if (snapshot.materials[instance.material].translucent) add_box(v, instance.bounds, tiles);
 }
 
-// Returns whether a box may throw a shadow of a light on something in another box.
+// Returns whether a box may cast a shadow of a light on something in another box.
 bool may_shadow(const model::Light& light, const model::Bounds& from, const model::Bounds& on, float margin) {
-  // The other box as its middle, and the first as much larger as that one was large.
+  // Shrinks the receiving box to its centre and enlarges the other by the same amount.
   const glm::vec3 half = 0.5f * (on.maximum - on.minimum) + margin, start = on.center();
   const bool is_far = light.type == SIDERAY_LIGHT_DIRECTIONAL;
   const glm::vec3 way = is_far ? -light.direction : light.position - start;
@@ -83,9 +82,9 @@ bool same_maps(const model::Snapshot& a, const model::Snapshot& b) {
   return true;
 }
 
-// Sets the tiles of sprites on which the shadow of a box falls, by shadow maps.
+// Sets the tiles of sprites on which a box casts a shadow, by shadow maps.
 void add_shadowed_sprites(const ChangedView& v, const model::Bounds& caster, bool all, Tiles& tiles) {
-  constexpr float share = 0.01f;  // for the texels of maps, which are as large as a scene makes them
+  constexpr float share = 0.01f;  // for the size of a shadow map's texels, which grows with the scene
   for (const model::Snapshot* snapshot : {&v.before, &v.now})
     for (size_t system = 0; system < snapshot->particles.size(); ++system) {
       model::Bounds box;
@@ -134,11 +133,11 @@ std::vector<uint8_t> tiles_that_see(std::span<const rt::Mover> movers, const Cha
   };
   for (const rt::Mover& mover : movers) {
     if (mover.kind == Kind::sprites) {
-      // They cast no shadow, and no straight ray hits them.
+      // Sprites cast no shadows, and straight rays do not hit them.
       for (const model::Snapshot* snapshot : {&v.before, &v.now}) add_sprites(v, *snapshot, mover.index, over);
       add_meeting(&rt::TileReach::meets_sprites, mover, by_layers);
     } else if (mover.kind == Kind::light) {
-      // Beyond its range its mask does not count.
+      // A light does not change masks beyond its range.
       add_box(v, mover.bounds, shown);
       add_lit_sprites(v, mover.bounds, shown);
       add_meeting(&rt::TileReach::meets_mirrored, mover, by_layers);

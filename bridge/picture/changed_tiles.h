@@ -1,4 +1,4 @@
-// Finds the tiles of a picture that may see what has moved. Any thread.
+// Finds the tiles of a picture that may see a moved object. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -12,20 +12,20 @@
 
 namespace sideray::bridge {
 
-// A view of two snapshots, which differ by movers alone.
+// Holds a view of two snapshots that differ only by movers.
 struct ChangedView {
   const model::Snapshot& before;
   const model::Snapshot& now;
   const gl::RasterView& view;
   uint32_t width, height;
   const rt::TileReach* reach;  // where the rays of each tile go; null: unknown
-  bool bounces;                // paths of light that bounces are among them
+  bool bounces;                // rays include paths of bounced light
 };
 
-// What a tile shows of movers: nothing, to the bit; sprites that are drawn over what is the same as before; or anything.
+// Says what a tile shows of movers: nothing, to the bit; only sprites drawn over an unchanged picture; or anything.
 enum TileChange : uint8_t { tile_unchanged, tile_drawn_over, tile_changed };
 
-// Returns it for each tile (rt::frame_tile_size), row by row.
+// Returns the change of each tile (rt::frame_tile_size), row by row.
 std::vector<uint8_t> tiles_that_see(std::span<const rt::Mover> movers, const ChangedView& changed);
 
 }  // namespace sideray::bridge

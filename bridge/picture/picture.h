@@ -1,4 +1,4 @@
-// Holds what a render returns: named planes, top row first, statistics and times. Any thread.
+// Holds the result of a render: named planes, top row first, statistics and times. Any thread.
 #pragma once
 
 #include <sideray/renderer.h>
@@ -19,7 +19,7 @@ struct sideray_picture {
   struct Plane {
     std::string name;
     std::vector<float> values;
-    std::vector<uint32_t> uint_values;  // instead, for ids and counts
+    std::vector<uint32_t> uint_values;  // used instead of `values`, for ids and counts
   };
   uint32_t width = 0, height = 0;
   std::vector<std::shared_ptr<const Plane>> planes;  // channels point into them; copies of a picture share them
@@ -63,7 +63,7 @@ inline void add_color(Picture& picture, const std::vector<glm::vec4>& color) {
   for (int c = 0; c < 4; ++c) add_plane(picture, names[c], [&](size_t i) { return color[i][c]; });
 }
 
-// Three planes of the components of value(texel).
+// Adds three planes with the components of value(texel).
 template <typename Value>
 void add_vectors(Picture& picture, const char* prefix, const char* const (&suffixes)[3], Value&& value) {
   for (int c = 0; c < 3; ++c)

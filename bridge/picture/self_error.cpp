@@ -6,8 +6,8 @@
 namespace sideray::bridge {
 namespace {
 
-// Returns each pixel's part of the relMSE (docs/cli.md) of the picture from one half of the light samples, color +
-// half_difference, against that from the other half, color - half_difference.
+// Returns each pixel's relMSE (docs/cli.md) between the pictures of the two halves of the light samples, color +
+// half_difference and color - half_difference.
 std::vector<double> errors_of_pixels(const std::vector<glm::vec4>& color,
                                      const std::vector<glm::vec3>& half_difference) {
   std::vector<double> errors(color.size());
@@ -26,7 +26,7 @@ double sum_of(const std::vector<double>& errors, size_t first, size_t count) {
   return sum;
 }
 
-// Returns the share of the sum that the largest thousandth of the errors has.
+// Returns the largest thousandth's share of the sum of errors.
 double firefly_share(std::vector<double> errors, double sum) {
   if (errors.empty() || !(sum > 0.0)) return 0.0;
   const size_t largest = (errors.size() + 999) / 1000;

@@ -1,4 +1,4 @@
-// Says how large the error of a picture's sampled light is. Any thread.
+// Estimates the error of a picture's sampled light. Any thread.
 #pragma once
 
 #include <sideray/renderer.h>
@@ -8,8 +8,8 @@
 
 namespace sideray::bridge {
 
-// Fills the reference part of the statistics. `half_difference`: of the two halves of the light samples, one gave the
-// picture `color` + half_difference, the other `color` - half_difference.
+// Fills the reference part of the statistics. `half_difference`: the two halves of the light samples gave the pictures
+// `color` + half_difference and `color` - half_difference.
 void state_self_error(uint32_t light_samples, uint32_t bounces, const std::vector<glm::vec4>& color,
                       const std::vector<glm::vec3>& half_difference, sideray_render_stats& stats);
 

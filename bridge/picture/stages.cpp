@@ -11,7 +11,7 @@ constexpr const char* names[] = {"load",     "build",  "update",    "gbuffer",  
                                  "light",    "composite", "total_frame", "kept_frame"};
 static_assert(std::size(names) == stage_count);
 
-// `sorted` is not empty.
+// `sorted` must not be empty.
 double quantile(const std::vector<double>& sorted, double q) {
   const double position = q * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<size_t>(position);

@@ -8,10 +8,10 @@
 namespace sideray::bridge {
 namespace {
 
-// The temporal average counts as at most this many positions: it is blurred where things moved.
+// Limits the weight of the temporal average, in positions: it is blurred where things moved.
 constexpr uint32_t most_averaged = 8;
-// A tile that changes again before it is complete is lit anew once in this many positions. It shows the temporal
-// average, and its sum would never be used.
+// A tile that changes again before it is complete is relit only once in this many positions. It shows the temporal
+// average meanwhile, and its sum would never be used.
 constexpr uint32_t resting_positions = 16;
 
 }  // namespace
@@ -98,8 +98,8 @@ void StillPicture::begin_with(const std::vector<glm::vec4>& picture, uint32_t av
   }
 }
 
-// The picture from before counts less with each position and no longer with the last, so that what is shown never
-// jumps. Sums are exact to a part in 2^53, so that they do not depend on the position from which a tile began.
+// Adds a position. The weight of the earlier picture falls to 0 at the last position, so that what is shown never
+// jumps. Sums are exact to 2^-53, so that they do not depend on the position at which a tile began.
 const std::vector<glm::vec4>& StillPicture::add(const std::vector<glm::vec4>& drawn, const std::vector<glm::vec4>& average) {
   waits_ = false;
   shown_.resize(drawn.size());

@@ -1,6 +1,6 @@
-// Adds up the pictures of a view that stands still, each drawn from another place in the pixel, until they are the picture of
-// many camera positions: then nothing has to be drawn. Tiles that see something move begin anew, each by itself: the positions
-// come again and again in one order, and each tile takes them from where it begins. One thread calls it.
+// Accumulates the pictures of a view at rest, each from another position in the pixel, until they equal a picture of
+// many samples: then nothing is drawn any more. A tile that sees something move restarts alone: the positions repeat in
+// one order, and each tile starts with the current one.
 #pragma once
 
 #include <cstdint>
@@ -11,59 +11,59 @@ namespace sideray::bridge {
 
 class StillPicture {
  public:
-  // A still view adds up this many positions, and is then the picture of as many `samples`.
+  // A still view adds this many positions, and then equals a picture of as many `samples`.
   static constexpr uint32_t positions = 64;
 
-  // A picture of this size is drawn that is not the last one.
+  // Starts over, for a picture of this size that differs from the last one.
   void restart(uint32_t seed, uint32_t width, uint32_t height);
-  // The last picture is drawn once more.
+  // Call it where the last picture is drawn again.
   void repeat();
-  // Except in tiles that have changed (TileChange, of rt::frame_tile_size), which begin anew. Tiles that change again
-  // and again are lit anew in a few of these pictures only.
+  // Does the same, but restarts the tiles that have changed (TileChange, of rt::frame_tile_size). Tiles that keep
+  // changing are relit in only a few pictures.
   void repeat_without(const std::vector<uint8_t>& changes);
 
-  // Whether the picture is drawn from position() and added to those before; otherwise it is drawn as any other is.
+  // Returns whether the picture is drawn from position() and added to those before; otherwise it is drawn normally.
   bool adds() const { return pictures_ > 0 && !is_done_; }
-  // Whether all tiles have added up all positions: the picture is the last one.
+  // Returns whether all tiles have all positions: nothing is left to draw.
   bool is_done() const { return is_done_; }
   uint32_t position() const { return static_cast<uint32_t>((pictures_ - 1) % positions); }
-  // Whether the last picture was drawn from position() already and lacked answers.
+  // Returns whether the last picture was drawn from position() already and lacked answers.
   bool waits() const { return waits_; }
-  // How many frames it is drawn in, this one included.
+  // Returns how many frames the position has taken, this one included.
   uint32_t position_frames() const { return position_frames_; }
-  // The random numbers that position 0 is drawn with, as sideray_render_options::seed.
+  // Returns the random seed of position 0, as sideray_render_options::seed.
   uint32_t seed() const { return seed_; }
-  // Whether the last picture was accumulated.
+  // Returns whether the last picture was accumulated.
   bool has_added() const { return pictures_ > 0; }
-  // Of how many positions every tile is the mean at least; 0 where one is that of none.
+  // Returns the smallest number of positions that a tile has added.
   uint32_t added() const;
-  // The tiles that take the picture which is drawn, and those of them in which surfaces are lit anew; empty: all.
+  // Return the tiles that the picture is drawn for, and those among them that are relit; empty: all.
   std::vector<uint8_t> wanted() const;
   std::vector<uint8_t> wanted_light() const;
-  // Whether some tile restarts with the picture that is being drawn.
+  // Returns whether some tile restarts with the current picture.
   bool begins_tiles() const { return begins_tiles_; }
 
-  // Takes a picture that was not added. `averaged`: of how many pictures it is an average over time, at least 1.
+  // Starts from a picture that was not accumulated. `averaged`: how many pictures it averages over time, at least 1.
   void begin_with(const std::vector<glm::vec4>& picture, uint32_t averaged);
-  // Takes what was drawn from position() and returns what is shown. `average`: with tiles that begin anew, the average over time
-  // that these show.
+  // Adds the picture drawn from position() and returns what to show. `average`: the temporal average, which restarting
+  // tiles show.
   const std::vector<glm::vec4>& add(const std::vector<glm::vec4>& drawn, const std::vector<glm::vec4>& average);
-  // Call if the picture from position() lacks answers because of the budget: it is drawn once more. Returns what is
-  // shown.
+  // Call it if the picture from position() lacks answers because of the budget: the position is drawn again. Returns
+  // what to show.
   const std::vector<glm::vec4>& wait() {
     waits_ = true;
     return shown_;
   }
-  // Returns what was shown last; with adds() or is_done().
+  // Returns what was shown last; only with adds() or is_done().
   const std::vector<glm::vec4>& shown() const { return shown_; }
 
  private:
   struct Tile {
     uint32_t added = 0;
-    bool begins = false, rests = false;  // of the picture that is drawn, it shows the average; and adds nothing
-    float averaged = 0.0f;          // for how many positions the picture from before counts
-    std::vector<glm::vec4> before;  // empty where it no longer does
-    std::vector<glm::dvec4> sum;    // empty where it is whole
+    bool begins = false, rests = false;  // with this picture: starts again, or adds nothing; both show the average
+    float averaged = 0.0f;          // weight of the picture from before, in positions
+    std::vector<glm::vec4> before;  // empty once it has no weight
+    std::vector<glm::dvec4> sum;    // empty once it is complete
   };
 
   uint32_t columns() const;
@@ -72,7 +72,7 @@ class StillPicture {
   template <typename Work>
   void for_texels(size_t tile, const Work& work) const;
 
-  uint64_t pictures_ = 0;  // that were added, and the one that is drawn
+  uint64_t pictures_ = 0;  // number of pictures added, the current one included
   uint32_t seed_ = 0, width_ = 0, height_ = 0, position_frames_ = 0;
   bool is_done_ = false, begins_tiles_ = false, waits_ = false;
   std::vector<Tile> tiles_;

@@ -6,10 +6,10 @@
 
 namespace sideray::bridge {
 
-// An instance covers as much of the picture as its angle is of the view's: at 30 degrees the option's default, 1
-// degree, is 1/30 of the height. A view of 1 degree that went by the same angle would lose everything.
+// Scales the angle with the view, so that a culled instance covers the same share of the picture: at 30 degrees the
+// default of 1 degree is 1/30 of the height. A view of 1 degree with the same angle would lose everything.
 float cull_angle_deg(const sideray_camera& camera, float option_deg) {
-  if (camera.orthographic) return 0.0f;  // nothing looks smaller for being far
+  if (camera.orthographic) return 0.0f;  // in orthographic views distance does not change sizes
   constexpr double tan_15_degrees = 0.26794919243112270647;
   const double wider_x = std::max(1.0, double{camera.fx_per_fy});
   const double half_angle_tangent = elementary::tan(0.5 * double{camera.yfov}) / wider_x;

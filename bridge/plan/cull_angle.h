@@ -1,4 +1,4 @@
-// Below which angle a view takes instances out of what rays hit. Any thread.
+// Computes the angle below which rays skip an instance. Any thread.
 #pragma once
 
 #include <sideray/renderer.h>

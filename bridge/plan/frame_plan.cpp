@@ -14,18 +14,18 @@ namespace sideray::bridge {
 namespace {
 
 constexpr size_t most_masks = 32;
-// Twice as many bring pictures no nearer to path tracers (docs/others.md): filters see those of the neighbours.
+// Twice as many rays bring pictures no nearer to path tracers (docs/others.md), since filters use the neighbours' rays.
 constexpr uint32_t ao_rays_a_pixel = 2;
 
-// What the plans of a frame's parts have in common.
+// Holds what the plans of a frame's parts share.
 struct Method {
-  bool exact;      // translucent surfaces are a reference
-  bool raytraced;  // they are composited along rays
+  bool exact;      // translucent surfaces are shaded as in a reference
+  bool raytraced;  // translucent surfaces are composited along rays
   bool hybrid;
   bool resolves;   // FramePlan::resolves
 };
 
-// Where nothing is rasterized, rays composite all surfaces of a pixel with the light that their layers have.
+// Without rasterization, hybrid means that rays composite all surfaces of a pixel with the lighting of layers.
 Method method_of(const sideray_translucency_options& o, Drawing drawing) {
   const bool exact = o.method == SIDERAY_TRANSLUCENCY_REFERENCE;
   const bool hybrid = o.method == SIDERAY_TRANSLUCENCY_HYBRID && o.layers > 0;
@@ -45,13 +45,13 @@ rt::FoliageOptions plan_foliage(const RenderOptions& o, const Method& method) {
           .cull = {.keeps_translucent = method.raytraced, .remembers = o.picture.continues != 0}};
 }
 
-// Why no pixel is whole although layers are cached; null: pixels can be.
+// Returns why no pixel can be whole although layers are cached; null: pixels can be.
 const char* why_not_whole(const model::Snapshot& snapshot, const sideray_translucency_options& o) {
   if (!o.whole_pixels) return "whole pixels are off";
   return no_whole_pixels(o, snapshot.shader.shade != nullptr).reason;
 }
 
-// How surfaces are found, matched and cached: as the options say.
+// Returns the options for finding, matching and caching surfaces.
 sideray_layer_inputs layer_inputs(const RenderOptions& options) {
   const sideray_translucency_options& o = options.translucency;
   sideray_layer_inputs layers = sideray_layer_inputs_defaults();
@@ -79,9 +79,9 @@ void plan_translucency(const model::Snapshot& snapshot, const RenderOptions& opt
   plan.traces = ((method.raytraced || method.hybrid) && has_traced(snapshot, plan.traced)) || layers.particles;
   if (!plan.traces) plan.traced = gl::TracedSet::none;
   layers.all_translucent = plan.traced == gl::TracedSet::all_translucent;
-  // Where nothing is rasterized, the rays that would say what to trace are those that trace it.
+  // Without rasterization no mask is needed: the rays that would find the pixels to trace are those that trace them.
   plan.draws_mask = plan.traces && !method.exact && o.mask != SIDERAY_NO_MASK && !plan.draws_by_rays();
-  // Sprites are in no count: the mask only says where rays start.
+  // The count does not include sprites, so with them the mask only says where rays start.
   plan.mask_kind = o.mask == SIDERAY_COUNT_MASK && !layers.particles ? gl::MaskKind::count : gl::MaskKind::stencil;
   plan.rasters_translucency = !method.raytraced && o.method != SIDERAY_TRANSLUCENCY_OFF &&
                               (has_traced(snapshot, gl::TracedSet::all_translucent) || sprites);
@@ -90,7 +90,7 @@ void plan_translucency(const model::Snapshot& snapshot, const RenderOptions& opt
   plan.second_wave = method.hybrid && plan.traces && o.second_wave != 0 && o.cache_rate != SIDERAY_RATE_FULL;
   layers.refraction = o.refraction && rt::bends_light(snapshot) && (plan.traces || plan.rasters_translucency);
   if (method.exact || method.resolves) layers.max_layers = 0;
-  // Layers that are to be shown are as many as were requested.
+  // If layers are shown, as many are cached as requested.
   if (method.hybrid && plan.traces && !options.shows(SIDERAY_AOV_LAYERS))
     layers.max_layers = static_cast<uint32_t>(std::max<uint64_t>(most_surfaces(snapshot, plan.traced, o.layers), 1));
   if (method.exact && plan.traces) layers.light_samples = o.light_samples;
@@ -99,7 +99,7 @@ void plan_translucency(const model::Snapshot& snapshot, const RenderOptions& opt
   if (layers.whole_pixels) layers.others_bits = gl::others_stencil_bit;
 }
 
-// Rays that composite all surfaces leave no layers: those that are to be shown are traced apart, as a cache would hold them.
+// Plans a separate cache for layers that are shown, since rays that composite all surfaces leave none.
 void plan_shown_layers(const model::Snapshot& snapshot, const RenderOptions& options, FramePlan& plan) {
   if (!plan.resolves || !options.shows(SIDERAY_AOV_LAYERS) || !has_traced(snapshot, gl::TracedSet::visible_in_layers)) return;
   plan.shown_layers = layer_inputs(options);
@@ -115,7 +115,7 @@ void plan_reuse(const model::Snapshot& snapshot, const RenderOptions& options, F
   plan.why_no_reuse = reuse.why_no_other;
 }
 
-// Bits of the lights that masks are for. A light that sends nothing needs none, but where its mask is to be shown.
+// Returns the bits of lights with masks. A light without power needs none, unless its mask is shown.
 uint32_t masked_lights(const model::Snapshot& snapshot, const RenderOptions& o) {
   const bool shown = o.shows(SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE);
   uint32_t bits = 0;
@@ -124,9 +124,9 @@ uint32_t masked_lights(const model::Snapshot& snapshot, const RenderOptions& o) 
   return bits;
 }
 
-// The radiance that a light has to add to a white, matt surface to have a shadow ray there: 1/512 of white as it is
-// shown. A picture that is shown darker may be stored, and be shown brighter later. Under few lights hardly any ray is
-// saved, and of more lights than have masks of their own each adds so little that errors sum up
+// Returns the radiance that a light must add to a white matt surface to get a shadow ray there: 1/512 of white as
+// displayed; exposures below 0 do not raise it, since the picture may be stored and brightened later. With few lights
+// this saves hardly any rays, and with more lights than masks each adds so little that errors sum up
 // (docs/adr/0039-least-light.md).
 float least_light_of(const model::Snapshot& snapshot, const RenderOptions& o) {
   constexpr ptrdiff_t few_lights = 8;
@@ -135,7 +135,7 @@ float least_light_of(const model::Snapshot& snapshot, const RenderOptions& o) {
   return 0x1p-9f * elementary::exp2(-std::max(o.picture.exposure, 0.0f));
 }
 
-// Ambient occlusion and reflection rays of opaque pixels.
+// Plans ambient occlusion, bounced light and reflection rays of opaque pixels.
 void plan_opaque_rays(const model::Snapshot& snapshot, const RenderOptions& options, FramePlan& plan) {
   const int32_t ambient = options.picture.ambient;
   const bool chooses_reflections = options.picture.reflections == SIDERAY_REFLECTIONS_AUTO;
@@ -156,7 +156,7 @@ void plan_opaque_rays(const model::Snapshot& snapshot, const RenderOptions& opti
   plan.reflections.denoise = options.picture.denoise;
 }
 
-// Which surfaces take the inexact shadow test, and which.
+// Plans which surfaces take the inexact shadow test, and which test it is.
 void plan_inexact(const model::Snapshot& snapshot, const sideray_shadow_options& o, FramePlan& plan) {
   plan.marks_inexact =
       o.method == SIDERAY_SHADOWS_INEXACT && plan.masks_occlusion() && has_inexact(snapshot, o.inexact_target);
@@ -167,7 +167,7 @@ void plan_inexact(const model::Snapshot& snapshot, const sideray_shadow_options&
   plan.fills_rest = o.inexact == SIDERAY_INEXACT_RESTPOSE || o.inexact == SIDERAY_INEXACT_BOUNDED;
 }
 
-// Raster translucent surfaces always take shadow maps.
+// Plans masks and shadow maps. Translucent surfaces that the rasterizer shades always use shadow maps.
 void plan_occlusion(const model::Snapshot& snapshot, const RenderOptions& options, FramePlan& plan) {
   const sideray_shadow_options& o = options.shadows;
   const bool by_rays = options.traces_shadows();
@@ -178,7 +178,7 @@ void plan_occlusion(const model::Snapshot& snapshot, const RenderOptions& option
   if (by_rays) plan.masks.least_light = least_light_of(snapshot, options);
   plan.masks.combined_lights = by_rays && has_lit_light(snapshot, most_masks);
   plan_opaque_rays(snapshot, options, plan);
-  // Rays that find what is seen hit plants where the others do.
+  // Rays that find the visible surfaces hit the same poses as shadow rays, so that no inexact test is needed.
   if (!plan.draws_by_rays()) plan_inexact(snapshot, o, plan);
   // Under a budget some pixels have no masks yet.
   const bool lacks_masks = by_rays && options.is_bounded();
@@ -187,14 +187,14 @@ void plan_occlusion(const model::Snapshot& snapshot, const RenderOptions& option
       !plan.draws_by_rays() && plan.casts_shadows && (on_opaque || (plan.rasters_translucency && has_lit_light(snapshot)));
 }
 
-// Several positions are an average already.
+// Plans temporal averaging, which several positions do not need.
 void plan_sequence(const RenderOptions& o, FramePlan& plan) {
   plan.averages = o.picture.taa && plan.samples == 1 && plan.layers.light_samples == 0;
   plan.motion = o.shows(SIDERAY_AOV_MOTION) ||
                 (o.picture.continues && (plan.averages || (o.picture.denoise && plan.masks_occlusion())));
 }
 
-// Leaves out what only a picture's colours need.
+// Removes options that only the picture's colours need.
 RenderOptions needed_without_color(RenderOptions o) {
   if (o.shows(SIDERAY_AOV_ANSWERS)) return o;
   if (!o.shows(SIDERAY_AOV_LAYERS | SIDERAY_AOV_MASK)) o.translucency.method = SIDERAY_TRANSLUCENCY_OFF;
@@ -231,7 +231,7 @@ FramePlan plan_parts(const model::Snapshot& snapshot, const RenderOptions& o, Dr
   plan_shown_layers(snapshot, o, plan);
   plan_occlusion(snapshot, o, plan);
   plan_sequence(o, plan);
-  // A frame without rays needs no poses, which would cost an update. Without OpenGL each plant is hit as it sways.
+  // Frames without rays need no poses, which cost an update. Without OpenGL, rays hit each plant in its drawn pose.
   plan.foliage = plan.uses_rays() && !plan.draws_by_rays() ? plan_foliage(o, method) : as_drawn();
   return plan;
 }

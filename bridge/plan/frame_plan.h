@@ -1,4 +1,4 @@
-// What one frame does, decided once from the scene and the options: what nothing uses does not run. Any thread.
+// Decides what a frame does, once, from the scene and the options; work that nothing uses is left out. Any thread.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -14,31 +14,31 @@
 
 namespace sideray::bridge {
 
-// What draws the frame: OpenGL with rays beside it, or rays alone.
+// Says what draws the frame: OpenGL with rays beside it, or rays alone.
 enum class Drawing { raster, rays };
 
-// Static texts say why something is left out; null where it runs, or was not asked for.
+// Static texts say why something is left out; null where it runs, or was not requested.
 struct FramePlan {
   Drawing drawing;
-  bool resolves;   // of layers that are composited: what bends light is resolved and rough reflections are filtered
-  bool reference;  // everything is drawn by rays: of `layers`, light_samples, bounces and refraction count
+  bool resolves;   // composited layers of surfaces that bend light are resolved, and rough reflections are filtered
+  bool reference;  // rays draw everything; of `layers`, light_samples, bounces and refraction apply
   bool traces, draws_mask, shadow_maps, distorts;
-  bool rasters_translucency;  // fragments are blended, or what is seen along rays as they would be
-  bool drops_particles;  // neither rays nor the rasterizer show them
+  bool rasters_translucency;  // fragments are blended, or surfaces along rays in the same way
+  bool drops_particles;  // neither rays nor the rasterizer show sprites
   gl::TracedSet traced;
   gl::MaskKind mask_kind;
   bool second_wave;
   bool checks;           // layers are compared with all surfaces along the rays
   bool caustics;         // caustics of lamps on the paths of a reference
-  bool casts_shadows;    // lights are hidden from what they do not reach
-  bool glass_shadows;    // and what is translucent tints them: where none of it is drawn, none throws a shadow
+  bool casts_shadows;    // lights cast shadows
+  bool glass_shadows;    // drawn translucent surfaces tint the light; others cast no shadow
   uint32_t width, height, samples, seed;
-  bool bounces;   // light of opaque surfaces is traced on to others
-  bool reflects;  // of opaque surfaces, by rays
-  // The renderer asks the service for these, as any host does, and adds the names of textures. The rasterizer obeys
-  // `refraction` also where nothing is traced.
+  bool bounces;   // opaque surfaces reflect light onto others
+  bool reflects;  // opaque surfaces have reflections by rays
+  // The renderer passes these to the service as any host does, with the names of textures. The rasterizer uses
+  // `refraction` even where nothing is traced.
   sideray_layer_inputs layers;            // with `traces`
-  // The cache that `--aov layers` shows where the picture needs none: rays composite all surfaces. max_layers 0: none.
+  // The cache that `--aov layers` shows where rays composite all surfaces. max_layers 0: none.
   sideray_layer_inputs shown_layers;
   sideray_mask_inputs masks;              // with masks_occlusion()
   sideray_irradiance_inputs irradiance;   // with `bounces`
@@ -46,11 +46,11 @@ struct FramePlan {
   const char *why_not_whole, *why_no_reuse, *why_no_ao, *why_no_bounce, *why_no_reflections;
   rt::FoliageOptions foliage;
   bool averages;       // with the pictures before: temporal anti-aliasing
-  bool motion;         // how what is seen moved is needed
+  bool motion;         // motion vectors are needed
   bool marks_inexact;  // some surface takes the inexact shadow test
-  bool fills_rest;     // the G-buffer also stores where rays hit that surface
-  bool without_color;  // nothing is lit, and the average is left out
-  bool ground_truth;   // channels of it are shown, by rays of their own beside the frame's
+  bool fills_rest;     // the G-buffer also stores where rays hit such a surface
+  bool without_color;  // nothing is lit or averaged
+  bool ground_truth;   // its channels are shown, by separate rays
   bool masks_shadows() const { return masks.shadow_lights != 0 || masks.combined_lights; }
   bool masks_occlusion() const { return masks_shadows() || masks.ao_rays != 0; }
   uint32_t shadow_masks() const {

@@ -1,4 +1,4 @@
-// Says a frame's plan in words and numbers: the reason for each pass, the textures, the most work. Any thread.
+// Describes a frame's plan in words and numbers: the reason for each pass, the textures, the most work. Any thread.
 #pragma once
 
 #include <sideray/plan.h>
@@ -22,11 +22,11 @@ struct PlannedTexture {
   uint32_t width, height, layers;
   uint64_t texel_bytes;
   bool of_service = false;
-  uint64_t smaller_texels = 0;  // of the other mip levels, a layer
+  uint64_t smaller_texels = 0;  // in the other mip levels of a layer
   uint64_t bytes() const { return (uint64_t{width} * height + smaller_texels) * layers * texel_bytes; }
 };
 
-// Every stage but the total, in order.
+// Returns every stage but the total, in order.
 std::vector<PlannedPass> planned_passes(const model::Snapshot& snapshot, const RenderOptions& options,
                                         const FramePlan& plan);
 std::vector<PlannedTexture> planned_textures(const model::Snapshot& snapshot, const RenderOptions& options,

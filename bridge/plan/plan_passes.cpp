@@ -8,7 +8,7 @@
 namespace sideray::bridge {
 namespace {
 
-// What the reasons speak of.
+// Holds the facts that reasons mention.
 struct Facts {
   const RenderOptions& options;
   const FramePlan& plan;
@@ -44,7 +44,7 @@ const char* rate_name(sideray_cache_rate rate) {
   return names[rate];
 }
 
-// Why no translucent surface is traced.
+// Returns why no translucent surface is traced.
 std::string why_not_traced(const Facts& f) {
   const sideray_translucency_options& o = f.options.translucency;
   if (f.options.draws(SIDERAY_TRANSLUCENCY_OFF)) return "translucency is off";
@@ -56,7 +56,7 @@ std::string why_not_traced(const Facts& f) {
   return fmt::format("none of {} is chosen for layers", number_of(f.translucent, "translucent object"));
 }
 
-// How far light is followed behind the surfaces that the eye sees.
+// Says how far light is followed behind the visible surfaces.
 std::string bounces_text(uint32_t bounces) {
   if (bounces == 1) return "one bounce";
   return bounces == 0 ? "paths of any number of bounces" : fmt::format("paths of {} bounces at most", bounces);
@@ -228,7 +228,7 @@ PlannedPass composite_pass(const Facts& f) {
   return {SIDERAY_STAGE_COMPOSITE, has_work, joined(runs)};
 }
 
-// The rasterizer has no part in it.
+// Returns the passes of a reference, in which the rasterizer has no part.
 std::vector<PlannedPass> reference_passes(const FramePlan& plan) {
   const PlannedPass none{SIDERAY_STAGE_LOAD, false, "the reference is drawn by rays alone"};
   std::vector<PlannedPass> passes(SIDERAY_STAGE_TOTAL_FRAME, none);

@@ -17,8 +17,8 @@ namespace {
 
 using Textures = std::vector<PlannedTexture>;
 
-// A ray that mirrors is traced for opaque surfaces, for translucent ones before them, and for those beyond the first
-// few once more (rt/shading/hit_shader.cpp).
+// A mirror ray is traced for opaque surfaces, for translucent ones in front of them, and again for those beyond the
+// first few (rt/shading/hit_shader.cpp).
 constexpr uint64_t rays_a_mirror = 3;
 // One ray for each surface of a path, one to the sky, one for the glass before the sky.
 constexpr uint64_t rays_a_path = rt::most_path_surfaces + 2;
@@ -59,7 +59,7 @@ void add_targets(const model::Snapshot& snapshot, const FramePlan& plan, Texture
   add("depth_copy", "DEPTH32F_STENCIL8", plan.rasters_translucency && soft ? 1 : 0, 8);
 }
 
-// What the order of blended fragments needs beside the picture, where there are any.
+// Adds the textures that the order of blended fragments needs besides the picture.
 void add_order(const RenderOptions& o, const FramePlan& plan, Textures& textures) {
   if (!plan.rasters_translucency) return;
   const auto add = [&](const char* name, const char* format, uint32_t layers, uint64_t texel_bytes) {
@@ -80,7 +80,7 @@ uint64_t texels_below(const std::vector<model::Texture::Level>& levels) {
   return texels;
 }
 
-// Those of one format and size together; the same picture is there once.
+// Adds the scene's textures by format and size, each image once.
 void add_scene(const model::Snapshot& snapshot, Textures& textures) {
   std::map<std::tuple<bool, uint32_t, uint32_t>, std::set<const model::Texture*>> images;
   for (const auto& texture : snapshot.textures)
@@ -140,7 +140,7 @@ void add_results(const FramePlan& plan, Textures& textures) {
   add("reflections", "RGBA16F", plan.reflects ? 1 : 0, half4.bytes);
 }
 
-// Of one pixel's translucent surfaces.
+// Returns the traversals for the translucent surfaces of one pixel.
 uint64_t traversals_a_pixel(const FramePlan& plan) {
   const sideray_layer_inputs& layers = plan.layers;
   if (layers.refraction || (layers.mode == SIDERAY_COMPOSITE && layers.max_layers == 0)) return SIDERAY_UNBOUNDED;
@@ -148,14 +148,14 @@ uint64_t traversals_a_pixel(const FramePlan& plan) {
   return layers.step == SIDERAY_STEP_MULTIHIT && layers.max_layers <= 8 ? 1 : layers.max_layers + uint64_t{1};
 }
 
-// What shading surfaces costs, each with what it mirrors.
+// Adds the rays that shade surfaces and what each mirrors.
 void add_shading(uint64_t surfaces, bool direct, const model::Snapshot& snapshot, const FramePlan& plan,
                  sideray_plan_work& work) {
   work.rays_reflection = sum(work.rays_reflection, product(surfaces, rays_a_mirror));
   const uint64_t lights = !plan.casts_shadows ? 0 : snapshot.lights.size();
   work.rays_shadow = sum(work.rays_shadow, product(surfaces, lights * (direct ? 2 : 1)));
   if (!plan.bounces) return;
-  // Each of them, and what it mirrors, may send a path.
+  // A surface and what it mirrors may send a path each.
   const uint64_t paths = product(surfaces, direct ? 2 : 1);
   work.rays_bounce = sum(work.rays_bounce, product(paths, rays_a_path));
   if (plan.casts_shadows) work.rays_shadow = sum(work.rays_shadow, product(paths, rt::most_path_surfaces));
@@ -176,7 +176,7 @@ void add_layers(const model::Snapshot& snapshot, const FramePlan& plan, sideray_
   work.fragments = surfaces < most_counted_surfaces ? pixels * surfaces : SIDERAY_UNBOUNDED;
 }
 
-// Rays of a mask, and those at a quarter of the pixels that find the distance of occluders for its filter.
+// Adds the rays of a mask, and those at a quarter of the pixels that measure occluder distances for its filter.
 void add_masks(const model::Snapshot& snapshot, const RenderOptions& o, const FramePlan& plan,
                sideray_plan_work& work) {
   const uint64_t pixels = uint64_t{plan.width} * plan.height;
@@ -193,8 +193,8 @@ void add_masks(const model::Snapshot& snapshot, const RenderOptions& o, const Fr
   work.rays_ao = plan.masks.ao_rays * (pixels + (plan.masks.denoise ? measured : 0));
 }
 
-// One pixel of four traces a path, which goes on from each of its surfaces and sends a ray to a light there; and a ray to the sky,
-// which may have to find what is translucent there.
+// Adds bounced light: one pixel of four traces a path, which continues at each surface with a ray to a light there; and
+// one ray to the sky, which may have to find translucent surfaces on its way.
 void add_bounces(const FramePlan& plan, sideray_plan_work& work) {
   const uint64_t paths = uint64_t{(plan.width + 1) / 2} * ((plan.height + 1) / 2);
   work.rays_bounce = sum(work.rays_bounce, paths * (rays_a_path + 1));
@@ -219,8 +219,8 @@ void add_bytes(const RenderOptions& o, const FramePlan& plan, const Textures& te
   work.bytes_upload += layer_bytes;
 }
 
-// Adds the rays that find opaque surfaces, those to lights without a mask, and those of surfaces that are blended. Sprites are
-// lit apart. Layers that are only shown are not counted.
+// Adds the rays that find opaque surfaces, shadow rays of lights without a mask, and the rays of blended surfaces.
+// Sprites are lit separately. Layers that are only shown are not counted.
 void add_drawing(const model::Snapshot& snapshot, const FramePlan& plan, sideray_plan_work& work) {
   const uint64_t pixels = uint64_t{plan.width} * plan.height;
   work.rays_primary = sum(work.rays_primary, pixels);
@@ -261,7 +261,7 @@ sideray_plan_work planned_work(const model::Snapshot& snapshot, const RenderOpti
     add_drawing(snapshot, plan, work);
   else
     add_bytes(o, plan, textures, work);
-  // One frame a camera position; their textures are the same ones.
+  // Counts one frame for each camera position; their textures are shared.
   for (uint64_t* count : {&work.rays_primary, &work.rays_reflection, &work.rays_shadow, &work.rays_ao, &work.rays_bounce, &work.fragments,
                           &work.bytes_readback, &work.bytes_upload})
     *count = product(*count, plan.samples);

@@ -9,7 +9,7 @@
 namespace sideray::bridge {
 namespace {
 
-// Two triangles that share an edge, in one plane: no ray hits both.
+// Returns whether a mesh is two triangles in one plane that share an edge: no ray hits both.
 bool is_flat_quad(const model::Mesh& mesh) {
   if (mesh.triangles.size() != 2) return false;
   const glm::uvec3 a = mesh.triangles[0], b = mesh.triangles[1];

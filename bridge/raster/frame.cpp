@@ -16,7 +16,7 @@ gl::InexactMarks inexact_marks(const FramePlan& plan, const RenderOptions& o) {
   return {.target = o.shadows.inexact_target, .rest = plan.fills_rest, .poses = plan.foliage.poses};
 }
 
-// How translucent surfaces are drawn and looked up in the layer cache.
+// Returns how translucent surfaces are drawn and looked up in the layer cache.
 gl::Translucency translucency_pass(const PictureJob& job, Service* service) {
   gl::Translucency pass;
   pass.shadows = job.plan.shadow_maps;
@@ -98,14 +98,14 @@ void Frame::draw_opaque() {
     timer_.stage(SIDERAY_STAGE_MASK, [&] { raster_.mark_inexact(inexact_marks(plan_, options_)); });
 }
 
-// No ray needs a shadow map: they are drawn while rays are traced, unless each stage is to be timed by itself.
+// Draws the shadow maps while rays are traced, as no ray needs them, unless stages are timed separately.
 void Frame::trace_and_draw_shadow_maps() {
   if (timer_.staged()) draw_shadow_maps();
   start_trace();
   if (!timer_.staged()) draw_shadow_maps();
 }
 
-// The service moves on between the lights: depth is read back by then, and tracing has not waited for the last map.
+// Lets the service advance after each light: depth is read back by then, and tracing need not wait for the last map.
 void Frame::draw_shadow_maps() {
   if (!plan_.shadow_maps) return;
   const bool traces = ticket_ != 0;
@@ -126,7 +126,7 @@ void Frame::start_trace() {
   ticket_ = service_->submit(inputs);
 }
 
-// Layers are traced while the opaque picture is lit, unless each stage is to be timed by itself.
+// Waits for all that lights opaque pixels, but for layers only where stages are timed separately.
 void Frame::wait_for_light() {
   if (!plan_.uses_rays()) return;
   const uint32_t jobs = timer_.staged()           ? uint32_t{SIDERAY_JOB_ALL}

@@ -1,4 +1,4 @@
-// Draws one frame of a picture by the rasterizer: the opaque surfaces, what rays find, then what is translucent. GL thread.
+// Draws a frame of a picture by the rasterizer: opaque surfaces, results of rays, translucent surfaces. GL thread.
 #pragma once
 
 #include "bridge/raster/raster_parts.h"

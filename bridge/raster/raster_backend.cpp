@@ -18,8 +18,8 @@ RasterBackend::RasterBackend(std::unique_ptr<gl::Context> context) : context_(st
   context_->release_current();
 }
 
-// Somebody else in the process may have terminated the display, or the driver lost the context: their objects are gone with
-// them, and deleting those without a context does nothing.
+// The display may have been terminated elsewhere in the process, or the context lost: all its objects are gone then,
+// and deleting them without a context does nothing.
 RasterBackend::~RasterBackend() {
   try {
     context_->make_current();
@@ -83,7 +83,7 @@ rt::OpaqueMaterials RasterBackend::read_gbuffer() {
   return {std::move(images.albedo_metallic), std::move(images.normal_roughness), std::move(images.ids)};
 }
 
-// Of the traced surfaces, or of all translucent ones where nothing is traced by the method's nature.
+// Counts the traced surfaces. If none are traced, counts those that may have layers (hybrid) or all translucent ones.
 std::vector<uint8_t> RasterBackend::count_translucent(const PictureJob& job) {
   const FramePlan& plan = job.plan;
   if (!plan.draws_mask || plan.mask_kind != gl::MaskKind::count) {
@@ -95,7 +95,7 @@ std::vector<uint8_t> RasterBackend::count_translucent(const PictureJob& job) {
   return rasterizer_->read_stencil();
 }
 
-// As they are looked up, wherever they were filtered.
+// Returns the masks as fragments look them up, from the texture.
 std::vector<uint8_t> RasterBackend::read_shadows(size_t bytes) {
   std::vector<uint8_t> lit(bytes);
   sideray_mask_outputs outputs{};

@@ -1,6 +1,6 @@
-// Draws frames by OpenGL: a context, the built-in rasterizer, and the service that traces beside it. One thread at a time; a
-// headless context is made current when a call begins and released when it ends, a host's is current in every call, and its
-// state is put back after it.
+// Draws frames by OpenGL: a context, the built-in rasterizer, and the service that traces beside it. One thread at a
+// time. A headless context is current only during calls; a host's must be current in every call, and its state is
+// restored.
 #pragma once
 
 #include <map>
@@ -50,13 +50,13 @@ class RasterBackend final : public Backend {
  private:
   std::unique_ptr<gl::Context> context_;
   std::unique_ptr<gl::Rasterizer> rasterizer_;
-  std::unique_ptr<Service> service_;  // of the scene's tracer
+  std::unique_ptr<Service> service_;  // traces with the scene's tracer
   const sideray_scene* scene_ = nullptr;
   struct OtherScene {
     gl::SceneOnGpu on_gpu;
     std::unique_ptr<Service> service;
   };
-  std::map<const sideray_scene*, OtherScene> others_;  // that were drawn before
+  std::map<const sideray_scene*, OtherScene> others_;  // scenes drawn before
 };
 
 }  // namespace sideray::bridge

@@ -1,11 +1,11 @@
-// What the renderer submits to the service for a frame. GL thread.
+// Makes the inputs that the renderer submits to the service for a frame. GL thread.
 #pragma once
 
 #include "bridge/raster/raster_parts.h"
 
 namespace sideray::bridge {
 
-// Of a frame whose opaque surfaces are drawn.
+// Returns the inputs of a frame whose opaque surfaces are drawn.
 FrameInputs raster_inputs(const RasterParts& parts, const PictureJob& job, const FramePosition& position);
 
 }  // namespace sideray::bridge

@@ -19,7 +19,7 @@ rt::Counters trace_second_wave(const RasterParts& parts, const PictureJob& job, 
   wait_for(service, job, ticket, SIDERAY_JOB_ALL);
   rt::Counters wave = service.stats(ticket);
   timer.add(wave);
-  // The first wave's statistics already count these pixels and layers.
+  // The first wave's statistics already include these.
   wave.pixels_total = wave.pixels_masked = wave.pixels_late = wave.pixels_older = wave.layers_requested = wave.dropped_particles = 0;
   return wave;
 }

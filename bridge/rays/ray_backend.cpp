@@ -13,7 +13,7 @@
 namespace sideray::bridge {
 namespace {
 
-// A host's shader that is called in the host's own calls would wait for this one to end.
+// Refuses a host's shader that runs in the host's own calls: it would wait for this call to end.
 void require_shader_that_answers(const model::Snapshot& snapshot) {
   if (snapshot.shader.shade && snapshot.shader.thread == SIDERAY_SHADE_IN_CALLS)
     fail(SIDERAY_UNSUPPORTED, "shader in calls without OpenGL: the call that draws is the one that traces; let the shader "
@@ -22,7 +22,7 @@ void require_shader_that_answers(const model::Snapshot& snapshot) {
 
 }  // namespace
 
-// One frame on its way; it has the tracer's turn.
+// Draws one frame, and has the tracer's turn meanwhile.
 class RayBackend::Frame {
  public:
   Frame(RayBackend& backend, PictureJob& job, const FramePosition& position, FrameTimer& timer)
@@ -48,7 +48,7 @@ class RayBackend::Frame {
     if (inputs_.budget_ms > 0.0f) end_ = jobs_.budget.begin(0, inputs_.budget_ms);
     if (plan_.motion) timer_.stage(SIDERAY_STAGE_GBUFFER, [&] { b_.motion_ = tracer_.trace_motion(motion(), b_.pixels_); });
     if (plan_.masks_occlusion()) {
-      Textures textures;  // rest poses, which nothing needs here, and motion
+      Textures textures;  // rest poses, which are not needed here, and motion
       if (plan_.motion && inputs_.continues) textures[1] = std::as_bytes(std::span(b_.motion_));
       trace(jobs_.masks, textures);
     }
@@ -87,7 +87,7 @@ class RayBackend::Frame {
   void trace(Job& job, const Textures& textures) {
     rt::PiecesLeft pieces(inputs_.budget_pieces);
     rt::WorkTime work = time_of(job, inputs_, watch_.start());
-    // Nothing else shows glass: its layers are whole.
+    // Layers are traced without a bound, since nothing else shows translucent surfaces.
     const bool is_bounded = &job != &jobs_.layers;
     const size_t index = &job == &jobs_.masks ? 0 : &job == &jobs_.irradiance ? 1 : 2;
     FrameBudget::Turn turn{};
@@ -109,7 +109,7 @@ class RayBackend::Frame {
       jobs_.budget.finish(0, index, turn, counters);
       counters.jobs_starved = turn.starved;
     }
-    counters.pixels_total = 0;  // they are the frame's
+    counters.pixels_total = 0;  // the frame counts them
     counters_.trace += counters;
   }
 
@@ -126,7 +126,7 @@ class RayBackend::Frame {
     counters_.trace += tracer_.light_opaque(request, b_.picture_);
   }
 
-  // Draws what OpenGL would rasterize.
+  // Draws the translucent surfaces that OpenGL would rasterize.
   void blend() {
     const std::vector<uint8_t> places = tracer_.translucent_places(b_.request_);
     const rt::BlendRequest request{.view = view_,
@@ -151,7 +151,7 @@ class RayBackend::Frame {
     return request;
   }
 
-  // Returns the distance of a clip-space position along an axis, times w of its local position.
+  // Returns the row that gives a clip-space position's distance along an axis, times w of its local position.
   glm::dvec4 distance_along(const glm::dmat4& view_from_local) const {
     return -glm::transpose(view_from_local * position_.view.local_from_clip)[2];
   }
@@ -181,7 +181,7 @@ class RayBackend::Frame {
   const std::lock_guard<TracerTurn> turn_;
   const Stopwatch watch_;
   std::vector<uint8_t> places_;  // where rays look for translucent surfaces; empty: everywhere
-  FrameBudget::Time end_{};      // when a frame with a budget is to be finished
+  FrameBudget::Time end_{};      // when a frame with a budget must end
   FrameCounters counters_;
 };
 
@@ -193,7 +193,7 @@ RayBackend::RayBackend(std::string reason) {
   info_.reason = std::move(reason);
 }
 
-// Jobs recognize their history by the revision of a scene, and two scenes may have the same.
+// Exchanges the jobs with the scene: they recognize their history by the scene's revision, which two scenes may share.
 void RayBackend::change_scene(const sideray_scene* scene) {
   std::unique_ptr<Jobs> next;
   if (auto known = others_.extract(scene)) next = std::move(known.mapped());
@@ -234,7 +234,7 @@ std::vector<uint8_t> RayBackend::count_translucent(const PictureJob& job) {
   return tracer_->tracer.count_translucent(request_, pixels_, job.plan.layers.particles != 0, gl::mask_stencil_bits);
 }
 
-// They are traced for this alone: the picture has the surfaces' composite.
+// Traces layers only to show them, since the picture uses the composite.
 const rt::LayerCache& RayBackend::read_layers(const PictureJob& job) {
   const std::lock_guard turn(tracer_->turn);
   FrameInputs inputs = trace_inputs(job, position_);

@@ -1,6 +1,6 @@
-// Draws frames without OpenGL: rays find the opaque surface of each pixel, the jobs of the service trace what masks,
-// reflections and translucent surfaces need from there, and all is put together in memory. One thread at a time; no library
-// of OpenGL is opened.
+// Draws frames without OpenGL: rays find the opaque surface of each pixel, the service's jobs trace masks, reflections
+// and translucent surfaces from there, and the picture is composed in memory. One thread at a time; no OpenGL library
+// is opened.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ namespace sideray::bridge {
 
 class RayBackend final : public Backend {
  public:
-  // `reason`: why OpenGL does not draw; empty: it was not wanted.
+  // `reason`: why OpenGL is not used; empty: it was not requested.
   explicit RayBackend(std::string reason);
 
   const gl::DeviceInfo& device() const override { return info_; }
@@ -47,7 +47,7 @@ class RayBackend final : public Backend {
   void replace_average(const std::vector<glm::vec4>& picture) override { average_.replace(picture); }
   std::vector<glm::vec4> read_color() override { return picture_; }
   std::vector<float> read_depth() override { return pixels_.depths; }
-  // No pixel is marked.
+  // Returns zeros: no pixel is marked.
   std::vector<uint8_t> read_stencil() override { return std::vector<uint8_t>(pixels_.depths.size(), 0); }
   rt::OpaqueMaterials read_gbuffer() override;
   std::vector<glm::uvec2> read_ids() override;
@@ -66,7 +66,7 @@ class RayBackend final : public Backend {
   sideray_tracer* tracer_ = nullptr;
   std::shared_ptr<const model::Snapshot> snapshot_;
   uint32_t width_ = 0, height_ = 0;
-  // Holds the jobs with their history of a scene.
+  // Holds the jobs of a scene with their history.
   struct Jobs {
     MaskJob masks;
     IrradianceJob irradiance;
@@ -77,7 +77,7 @@ class RayBackend final : public Backend {
   std::unique_ptr<Jobs> jobs_ = std::make_unique<Jobs>();
   const sideray_scene* scene_ = nullptr;
   std::map<const sideray_scene*, std::unique_ptr<Jobs>> others_;  // of scenes that were drawn before
-  FramePosition position_;  // of the frame that was drawn last, as the next four
+  FramePosition position_;  // of the last frame, like the next four
   rt::OpaqueRequest request_;
   rt::OpaquePixels pixels_;
   std::vector<glm::vec2> motion_;

@@ -8,13 +8,13 @@
 namespace sideray::bridge {
 namespace {
 
-// Values of the channels. To `traced` is added what Backend::answers() says of an earlier answer.
+// Values of the channels. Reused answers add Backend::answers() to `traced`.
 enum : uint32_t { asks_for_none = 0, has_none = 1, traced = 2 };
 
 constexpr uint8_t no_answer = rt::OlderMasks::no_answer;
 static_assert(rt::OlderReflections::no_answer == no_answer && rt::OlderLayers::no_answer == no_answer);
 
-// `asks(i)`: whether a pixel asks for an answer; `has_own(i)`: whether it has one where nothing is of earlier frames.
+// `asks(i)`: whether a pixel needs an answer; `has_own(i)`: whether it has one in frames without history.
 template <typename Asks, typename HasOwn>
 void add_channel(const PictureJob& job, Picture& picture, const char* name, AnswerOf of, const Asks& asks, const HasOwn& has_own) {
   const std::vector<uint8_t> answers = job.backend.answers(of);
@@ -44,7 +44,7 @@ void add_reflections(const PictureJob& job, Picture& picture) {
   add_channel(job, picture, "answer.reflections", AnswerOf::reflections, mirrors, [](size_t) { return true; });
 }
 
-// A composite that a bound may have left incomplete does not say where.
+// Adds nothing for a composite under a bound, which does not tell where it is incomplete.
 void add_layers(const PictureJob& job, Picture& picture) {
   const bool may_lack = job.options.is_bounded() && !job.plan.draws_by_rays();
   if (job.plan.composites() && may_lack) return;

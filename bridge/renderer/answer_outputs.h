@@ -1,4 +1,4 @@
-// What pixels of a picture show of the rays, and how old it is (SIDERAY_AOV_ANSWERS). The backend's thread.
+// Adds channels for the answers of rays that pixels show, and their age (SIDERAY_AOV_ANSWERS). The backend's thread.
 #pragma once
 
 #include "bridge/drawing/picture_job.h"
@@ -6,7 +6,7 @@
 
 namespace sideray::bridge {
 
-// Adds answer.* of the frame that was drawn last, where options ask for them.
+// Adds answer.* of the last frame, where options request them.
 void add_answers(const PictureJob& job, Picture& picture);
 
 }  // namespace sideray::bridge

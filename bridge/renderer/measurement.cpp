@@ -12,7 +12,7 @@
 namespace sideray::bridge {
 namespace {
 
-// What each stage took in each repetition.
+// Collects the times of each stage in each repetition.
 class RepeatedTimes {
  public:
   void add(const FrameTimer& staged, double total_ms, double kept_ms) {
@@ -21,7 +21,7 @@ class RepeatedTimes {
     times_[SIDERAY_STAGE_TOTAL_FRAME].push_back(total_ms);
     times_[SIDERAY_STAGE_KEPT_FRAME].push_back(kept_ms);
   }
-  // Loading, building and updating happen once, and were timed then.
+  // Skips loading, building and updating, which happen once and were timed then.
   void write(StageTimes& stages) {
     for (size_t i = SIDERAY_STAGE_GBUFFER; i < stage_count; ++i)
       stages.set(static_cast<sideray_stage>(i), std::move(times_[i]));
@@ -31,7 +31,7 @@ class RepeatedTimes {
   std::array<std::vector<double>, stage_count> times_;
 };
 
-// All with the same random numbers.
+// Returns the picture's positions, all with the same random numbers.
 std::vector<FramePosition> measured_positions(const PictureJob& job) {
   std::vector<FramePosition> positions;
   for (uint32_t sample = 0; sample < job.plan.samples; ++sample)
@@ -39,8 +39,8 @@ std::vector<FramePosition> measured_positions(const PictureJob& job) {
   return positions;
 }
 
-// Whether shadow maps and masks of what has not moved since the previous frame are made anew. What the picture itself
-// reuses of earlier pictures stays in either case.
+// Says whether shadow maps and masks of things that have not moved since the previous frame are made again. The
+// picture's reuse of earlier pictures does not change.
 enum class Still { made, kept };
 
 FrameCounters draw_all(PictureJob& job, const std::vector<FramePosition>& positions, FrameTimer& timer,

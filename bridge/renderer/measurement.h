@@ -1,22 +1,22 @@
-// Draws a finished picture again, for times of its stages and counts of its fragments. The backend's thread.
+// Draws a finished picture again, to time its stages and count its fragments. The backend's thread.
 #pragma once
 
 #include "bridge/drawing/picture_job.h"
 
 namespace sideray::bridge {
 
-// Draws the frames of the picture `repeats` times with each stage by itself and as often without stages, then once more
-// to count.
+// Draws the frames of the picture `repeats` times with each stage timed separately and as often as a whole, then once
+// more to count.
 void measure(PictureJob& job, Picture& picture);
 
-// Draws a picture whose translucent surfaces are a reference, and times it as it is drawn: tracing takes so long that
-// neither the previous frame nor the fences between stages count in it.
+// Draws and times in one go a picture whose translucent surfaces are a reference: tracing takes so long that the
+// previous frame and the fences between stages do not matter.
 void draw_timed(PictureJob& job, Picture& picture);
 
-// Says what traced the picture.
+// Fills in threads, instruction set and Embree version.
 void describe_tracer(const PictureJob& job, sideray_render_stats& stats);
 
-// Times a raw frame of the view, where the options want one and rays are traced. It takes the tracer's turn.
+// Times a raw frame of the view, where options request one and rays are traced. Takes the tracer's turn.
 void measure_raw_frame(const PictureJob& job);
 
 }  // namespace sideray::bridge

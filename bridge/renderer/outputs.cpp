@@ -13,7 +13,7 @@
 namespace sideray::bridge {
 namespace {
 
-// Planar distance along the view axis of each pixel's window depth; +inf where nothing was drawn.
+// Returns the planar distance along the view axis of each pixel's window depth; +inf where nothing was drawn.
 std::vector<float> planar_distances(const std::vector<float>& depth, const gl::RasterView& view, uint32_t width,
                                     uint32_t height) {
   std::vector<float> z(depth.size());
@@ -53,8 +53,8 @@ void add_layers(Picture& picture, const rt::LayerCache& cache, uint32_t layers) 
   }
 }
 
-// Channels are named by the number of the light; their names are put there elsewhere. The last mask may be of all lights
-// from number 32 on.
+// Returns the suffix of a mask's channel: its index, which the caller replaces by the light's name; the last mask may
+// combine all lights from number 32 on.
 std::string name_of_mask(const PictureJob& job, uint32_t layer) {
   const auto single = static_cast<uint32_t>(std::popcount(job.plan.masks.shadow_lights));
   return layer < single ? fmt::format("{}", layer) : "combined";
@@ -106,7 +106,7 @@ void add_gbuffer(const PictureJob& job, Picture& picture) {
 void add_motion(const PictureJob& job, Picture& picture) {
   const std::vector<glm::vec2> motion = job.backend.read_motion();
   add_plane(picture, "motion.X", [&](size_t i) { return motion[i].x; });
-  add_plane(picture, "motion.Y", [&](size_t i) { return -motion[i].y; });  // down, as the rows of pictures
+  add_plane(picture, "motion.Y", [&](size_t i) { return -motion[i].y; });  // y points down, as the rows of pictures
 }
 
 void add_inexact_marks(const PictureJob& job, Picture& picture) {

@@ -5,7 +5,7 @@
 
 namespace sideray::bridge {
 
-// Draws the mask once more where it has to be counted for its picture.
+// Draws the mask again where the picture shows counts.
 void add_aovs(const PictureJob& job, const gl::RasterView& view, Picture& picture);
 
 }  // namespace sideray::bridge

@@ -15,7 +15,7 @@ void add_to(std::vector<Sum>& sum, const std::vector<T>& values) {
   for (size_t i = 0; i < values.size(); ++i) sum[i] += Sum(values[i]);
 }
 
-// The sums are exact to a part in 2^53, so that still views, which take the positions in any order, have the same.
+// Averages positions. Sums are exact to 2^-53, so that still views, which take positions in any order, get the same.
 std::vector<glm::vec4> mean_of(const std::vector<glm::dvec4>& sum, uint32_t positions) {
   std::vector<glm::vec4> mean(sum.size());
   for (size_t i = 0; i < sum.size(); ++i) mean[i] = glm::vec4(sum[i] / static_cast<double>(positions));
@@ -26,7 +26,7 @@ FramePosition position_of(const PictureJob& job, uint32_t sample) {
   return {job.view_of(sample), job.sequence.seed(job.plan, sample)};
 }
 
-// Threads that trace time themselves while OpenGL draws beside them; the other stages would need fences.
+// Sets the times of threads that trace, which time themselves beside OpenGL; other stages would need fences.
 void state_times(const FrameTimer& timer, double total_ms, StageTimes& stages) {
   for (const sideray_stage stage : {SIDERAY_STAGE_TRACE, SIDERAY_STAGE_TRACE_SHADOW, SIDERAY_STAGE_TRACE_AO,
                                     SIDERAY_STAGE_DENOISE})
@@ -34,7 +34,7 @@ void state_times(const FrameTimer& timer, double total_ms, StageTimes& stages) {
   stages.set(SIDERAY_STAGE_TOTAL_FRAME, total_ms);
 }
 
-// Fills the statistics that no frame has to be drawn for.
+// Fills the statistics that need no frame.
 void describe_frame(const PictureJob& job, sideray_render_stats& stats) {
   stats.positions = job.sequence.positions(job.plan);
   stats.pixels_total = uint64_t{job.plan.width} * job.plan.height * job.plan.samples;
@@ -54,14 +54,14 @@ void draw_positions(PictureJob& job, FrameTimer& timer, Picture& picture) {
   std::vector<glm::vec3> half_difference;
   FrameCounters counters;
   double total_ms = 0;
-  // Frames that are drawn again for their times are counted then.
+  // Where frames are drawn again for their times, those count.
   const bool counts = job.plan.checks && job.options.picture.repeats == 0;
   for (uint32_t sample = 0; sample < job.plan.samples; ++sample) {
     const FramePosition position = position_of(job, sample);
     const Stopwatch watch;
     counters += job.backend.draw(job, position, timer, counts ? Fragments::counted : Fragments::drawn);
     job.require_wanted();
-    job.backend.finish();  // reading the colour would wait too
+    job.backend.finish();  // reading the colour would wait anyway
     total_ms += watch.ms();
     if (!job.plan.without_color) color = job.backend.read_color();
     if (job.plan.layers.light_samples > 0) add_to(half_difference, job.backend.composite().half_difference);

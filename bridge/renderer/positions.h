@@ -5,7 +5,7 @@
 
 namespace sideray::bridge {
 
-// Adds colour, additional outputs, counters, and the times that need no fence between stages.
+// Adds colour, additional outputs, counters, and those times that need no fence between stages.
 void draw_positions(PictureJob& job, FrameTimer& timer, Picture& picture);
 
 }  // namespace sideray::bridge

@@ -5,7 +5,7 @@
 
 namespace sideray::bridge {
 
-// Times it as it is drawn, without a warm-up: it takes long enough, and nothing of it is reused by the next frame.
+// Times the drawing itself, without a warm-up: it takes long enough, and the next frame reuses none of it.
 void draw_reference(const PictureJob& job, Picture& picture);
 
 }  // namespace sideray::bridge

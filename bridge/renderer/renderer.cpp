@@ -41,7 +41,7 @@ void describe_scene(const model::Snapshot& snapshot, sideray_render_stats& stats
   stats.materials = snapshot.materials.size();
 }
 
-// Whether two commits show the same picture. Wind and sprites always move.
+// Returns whether two commits show the same picture. Wind and sprites always move.
 bool show_the_same(const model::Snapshot& a, const model::Snapshot& b) {
   const auto stands_still = [](const model::Snapshot& s) { return s.winds.empty() && s.particles.empty(); };
   return &a == &b || (stands_still(a) && stands_still(b) && rt::are_equal(a, b));
@@ -60,7 +60,7 @@ void draw(PictureJob& job, Picture& picture) {
   describe_scene(*job.snapshot, picture.stats);
 }
 
-// The way to OpenGL: desc.gl; if that is "auto", the environment variable SIDERAY_GL if it is set.
+// Returns the OpenGL platform: desc.gl, or if that is "auto", the environment variable SIDERAY_GL if it is set.
 std::string choice_of(const sideray_renderer_desc& desc) {
   const std::string given = desc.gl ? desc.gl : "auto";
   const char* variable = std::getenv("SIDERAY_GL");
@@ -99,7 +99,7 @@ Renderer::Renderer(std::unique_ptr<Backend> backend, rt::TracerConfig tracer_con
       sequence_(std::make_unique<Sequence>(*backend_)),
       tracer_config_(std::move(tracer_config)) {}
 
-// The backend holds what lives in OpenGL and uses the tracer.
+// Destroys the backend first: it owns OpenGL objects and uses the tracer.
 Renderer::~Renderer() {
   drawn_.helpers.clear();
   sequence_.reset();
@@ -151,7 +151,7 @@ std::vector<std::unique_ptr<Picture>> Renderer::render_many(sideray_scene* scene
   const FramePlan plan = plan_frame(*snapshot_, options, backend_->drawing());
   std::vector<std::unique_ptr<Picture>> pictures(cameras.size());
   for (size_t i = 0; i < pictures.size(); ++i) {
-    // The first one makes what all of them need.
+    // The first picture makes what all others share.
     if (i == 1 && draws_beside(plan, pictures.size() - i)) {
       draw_beside(plan, cameras.subspan(i), options, std::span(pictures).subspan(i));
       break;
@@ -162,8 +162,8 @@ std::vector<std::unique_ptr<Picture>> Renderer::render_many(sideray_scene* scene
   return pictures;
 }
 
-// Threads gain more from a picture each than from parts of one, unless there are too few pictures. Large ones fill all threads,
-// and several at once would take much memory.
+// Returns whether each thread draws pictures of its own. That gains more than sharing one picture, unless there are too
+// few. Large pictures keep all threads busy, and several at once would take much memory.
 bool Renderer::draws_beside(const FramePlan& plan, size_t pictures) const {
   constexpr uint64_t most_pixels = 512 * 512;
   return plan.draws_by_rays() && !plan.reference && !snapshot_->shader.shade && drawn_.tracer->tracer.may_trace_beside() &&
@@ -200,7 +200,7 @@ void Renderer::set_scene(sideray_scene* scene) {
     change_scene(scene);
   else if (snapshot_ && show_the_same(*snapshot_, *snapshot))
     return;
-  snapshot_.reset();  // until it is uploaded
+  snapshot_.reset();  // stays empty until the upload succeeds
   try {
     backend_->set_scene(snapshot);
   } catch (const Failure& failure) {
@@ -236,7 +236,7 @@ bool Renderer::is_held_elsewhere(const DrawnScene& drawn) {
   return drawn.scene->references > own;
 }
 
-// The backend's part goes first, since it uses the tracer.
+// Frees the backend's part first, since it uses the tracer.
 std::vector<Renderer::DrawnScene>::iterator Renderer::forget(std::vector<DrawnScene>::iterator other) {
   backend_->forget_scene(other->scene.get());
   return others_.erase(other);

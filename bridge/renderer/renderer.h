@@ -1,6 +1,6 @@
-// The offscreen tier: what draws frames (bridge/drawing/backend.h) and the state between pictures. One thread at a
-// time; where OpenGL draws, a headless context is made current in every call and released after it, a host's is current
-// in every call, and its state is put back after it.
+// The offscreen renderer: a backend that draws frames (bridge/drawing/backend.h), and the state between pictures. One
+// thread at a time. A headless OpenGL context is current only during calls; a host's must be current in every call, and
+// its state is restored.
 #pragma once
 
 #include <sideray/renderer.h>
@@ -30,14 +30,14 @@ class Renderer {
 
   const gl::DeviceInfo& device() const { return backend_->device(); }
   std::unique_ptr<Picture> render(sideray_scene* scene, const sideray_camera& camera, const RenderOptions& options);
-  // One picture from each camera, each as render() draws it alone.
+  // Returns one picture for each camera, the same as render() would.
   std::vector<std::unique_ptr<Picture>> render_many(sideray_scene* scene, std::span<const sideray_camera> cameras,
                                                     const RenderOptions& options);
-  // Ends what another thread draws, whose call then throws Failure (CANCELLED). Any thread.
+  // Ends a picture that another thread draws, whose call then throws Failure (CANCELLED). Any thread.
   void cancel() { cancelled_ = true; }
 
  private:
-  // Draws pictures beside the others.
+  // Draws pictures on one thread beside other helpers.
   struct Helper {
     std::unique_ptr<Backend> backend;
     std::unique_ptr<Sequence> sequence;
@@ -52,8 +52,8 @@ class Renderer {
   };
   struct DrawnScene {
     std::unique_ptr<sideray_scene, ReleaseScene> scene;
-    std::unique_ptr<sideray_tracer, ReleaseTracer> tracer;  // made when rays are first needed
-    std::vector<Helper> helpers;  // one a thread, made when pictures are first drawn beside each other
+    std::unique_ptr<sideray_tracer, ReleaseTracer> tracer;  // created when rays are first needed
+    std::vector<Helper> helpers;  // one for each thread, created at their first use
   };
 
   void set_scene(sideray_scene* scene);
@@ -66,14 +66,14 @@ class Renderer {
   void draw_beside(const FramePlan& plan, std::span<const sideray_camera> cameras, const RenderOptions& options,
                    std::span<std::unique_ptr<Picture>> pictures);
 
-  std::atomic<bool> cancelled_{false};  // the pictures that are being drawn
+  std::atomic<bool> cancelled_{false};  // for the current pictures
   std::unique_ptr<Backend> backend_;
   std::unique_ptr<Sequence> sequence_;
   rt::TracerConfig tracer_config_;
-  DrawnScene drawn_;                // the last one that was drawn
-  // A few before it, the latest last: scenes that are drawn in turn are neither built nor uploaded anew.
+  DrawnScene drawn_;                // the current scene
+  // A few earlier scenes, the latest last: scenes that are drawn in turn are neither rebuilt nor uploaded again.
   std::vector<DrawnScene> others_;
-  std::shared_ptr<const model::Snapshot> snapshot_;  // of the last one
+  std::shared_ptr<const model::Snapshot> snapshot_;  // of drawn_
 };
 
 }  // namespace sideray::bridge

@@ -18,7 +18,7 @@ rt::GroundTruthRequest truth_request(const PictureJob& job) {
   return request;
 }
 
-// The planes of a surface: value(i) is that of texel i.
+// Adds the planes of a surface: value(i) is that of texel i.
 template <typename Value>
 void add_surface(Picture& picture, const std::string& prefix, const Value& value) {
   add_plane(picture, prefix + "surface", [&](size_t i) { return value(i).surface; });

@@ -5,7 +5,7 @@
 namespace sideray::bridge {
 namespace {
 
-// Least share of the time for rays that a job gets.
+// The least share of the time for rays that a job gets.
 constexpr double job_least_share = 0.125;
 
 double ms_between(FrameBudget::Time from, FrameBudget::Time to) {
@@ -16,12 +16,12 @@ FrameBudget::Clock::duration milliseconds(double ms) {
   return std::chrono::duration_cast<FrameBudget::Clock::duration>(std::chrono::duration<double, std::milli>(ms));
 }
 
-// A longer time than expected counts at once, a shorter one gradually: a late frame is visible.
+// Adapts at once to a longer time than expected, but gradually to a shorter one, since a late frame is visible.
 void follow(double& known, double seen) {
   known = seen > known ? seen : known + 0.25 * (seen - known);
 }
 
-// Returns which part of its pixels the job has traced in this frame.
+// Returns the share of its pixels that the job has traced in this frame.
 double share_traced(const rt::Counters& c) {
   const auto left = static_cast<double>(c.pixels_late + c.pixels_older + c.mask_pixels_late + c.mask_pixels_older +
                                         c.reflection_pixels_late + c.reflection_pixels_older +
@@ -57,7 +57,7 @@ FrameBudget::Turn FrameBudget::start(uint32_t view_id, size_t job, const std::ar
   const std::lock_guard lock(mutex_);
   Cost& own = costs_[view_id][job];
   own.expected -= own.expected > 0;
-  // Only the last job's upload adds to the frame: the others overlap the rays of the next job.
+  // Counts only the last job's upload: the others overlap the rays of the next job.
   double rays = 0.0, others = own.after, last_upload = own.upload;
   const auto add = [&](const Cost& cost) {
     rays += cost.rays;
@@ -81,15 +81,15 @@ void FrameBudget::finish(uint32_t view_id, size_t job, const Turn& turn, const r
   const Time now = Clock::now();
   const double took = ms_between(turn.begun, now), allowed = ms_between(turn.begun, turn.stop);
   const double traced = share_traced(counters);
-  if (cost.frames++ == 0) return;  // the first one makes room in memory
-  if (traced == 1.0) {  // the rays were never stopped
+  if (cost.frames++ == 0) return;  // the first frame allocates memory
+  if (traced == 1.0) {  // no time limit stopped the rays
     follow(cost.after, counters.denoise_ms);
     cost.rays = std::max(took - cost.after, 0.01);
     return;
   }
   follow(cost.after, std::max(took - allowed, 0.0));
   if (turn.starved) return;
-  // A small share does not extrapolate well.
+  // Limits the extrapolation from a small share.
   const double whole = std::max(allowed, 0.1) / std::max(traced, 0.01);
   cost.rays += 0.25 * (whole - cost.rays);
 }

@@ -1,6 +1,6 @@
-// Divides the time that a host gives its frames among their jobs, so that a frame ends in time instead of being cut: it
-// measures what each job of a view takes besides its rays, reserves that time, and shares the rest by how long the rays
-// of each take in all. One object a service; any thread.
+// Divides the time that a host gives its frames among their jobs, so that a frame ends in time instead of being cut.
+// Measures what each job of a view takes besides its rays, reserves that time, and shares the rest in proportion to the
+// time of all rays of each job. One object for a service; any thread.
 #pragma once
 
 #include <sideray/service.h>
@@ -21,34 +21,34 @@ class FrameBudget {
   using Clock = rt::Deadline::clock;
   using Time = Clock::time_point;
 
-  // Jobs of a frame of a view are about to come, by their index in ServiceView::jobs; and one of them has ended otherwise.
+  // Announce a job of a view by its index in ServiceView::jobs, and withdraw it where it ended without being traced.
   void expect(uint32_t view_id, size_t job);
   void drop(uint32_t view_id, size_t job);
-  // Returns when a frame with mapped depth is to be finished. Frames of other views that come before that share the
-  // budget; the next frame of the same view begins another.
+  // Returns when a frame with mapped depth must end. Frames of other views that begin before that share the budget; the
+  // next frame of the same view begins a new one.
   Time begin(uint32_t view_id, double budget_ms);
 
-  // The time that a job gets, and what it used of it.
+  // Holds the time that a job gets.
   struct Turn {
-    Time begun, stop;  // no ray begins after that
+    Time begun, stop;  // no ray begins after `stop`
     bool starved;      // there was no time left for rays
   };
-  // A job is about to be traced. `later`: whether the frame has jobs of higher indices, too.
+  // Begins to trace a job. `later`: whether the frame has jobs of higher indices.
   Turn start(uint32_t view_id, size_t job, const std::array<bool, job_count>& later, Time end);
   void finish(uint32_t view_id, size_t job, const Turn& turn, const rt::Counters& counters);
   void uploaded(uint32_t view_id, size_t job, double ms);
 
  private:
-  // The times of a view's job in its last frames, in milliseconds.
+  // Holds smoothed times of a view's job, in milliseconds.
   struct Cost {
-    double rays = 1.0;   // until all are traced
-    double after = 0.0;  // from when they are stopped until the job is traced: pieces that have begun, filters
+    double rays = 1.0;   // for all rays
+    double after = 0.0;  // after the rays end: pieces that have begun, filters
     double upload = 0.0;
     uint32_t expected = 0, frames = 0;
   };
   struct Round {
     Time end;
-    uint32_t views;  // a bit each
+    uint32_t views;  // a bit for each
   };
 
   std::mutex mutex_;

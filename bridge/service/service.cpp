@@ -15,14 +15,14 @@ namespace {
 
 constexpr size_t kept_outcomes = 4 * SIDERAY_MAX_VIEWS;
 
-// Texture units of all stages together.
+// Returns the number of texture units of all stages together.
 uint32_t largest_unit_count(const gl::Functions& gl) {
   GLint count = 0;
   gl.GetIntegerv(GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS, &count);
   return static_cast<uint32_t>(count);
 }
 
-// Vertices are rounded to the nearest of 2^subpixel_bits positions a pixel.
+// Returns the most that vertices snap, in pixels: half a step of 2^-subpixel_bits.
 float largest_snap(const gl::Functions& gl) {
   GLint bits = 0;
   gl.GetIntegerv(GL_SUBPIXEL_BITS, &bits);
@@ -98,7 +98,7 @@ void Service::begin(Frame& frame, const FrameInputs& inputs, std::shared_ptr<con
   }
 }
 
-// A frame that fails here was never in the ring.
+// Puts a frame into the ring; where this fails, the frame was never in it.
 void Service::issue(Frame& frame) {
   const gl::ErrorGuard errors(gl_);
   with_errors_told(
@@ -120,7 +120,7 @@ ServiceView& Service::view_of(uint32_t id) {
 void Service::advance() {
   if (context_lost_) return;
   tracer_->shading.serve();
-  // Oldest first: once a job is uploaded, the same job of the next frame may start within this call.
+  // Advances the oldest first: once a job is uploaded, the same job of the next frame may start within this call.
   std::sort(frames_.begin(), frames_.end(), [](const Frame* a, const Frame* b) { return a->ticket < b->ticket; });
   for (Frame* frame : frames_) {
     start_jobs(*frame);
@@ -148,7 +148,7 @@ bool Service::wait(sideray_ticket ticket, uint32_t jobs, int32_t timeout_ms) {
 }
 
 void Service::wait_for_progress(Frame& frame, Clock::time_point deadline) {
-  // Short slices, because an older frame in the ring may have to be moved on first.
+  // Waits in short slices, because an older frame in the ring may have to advance first.
   const Clock::time_point slice = std::min(deadline, Clock::now() + std::chrono::milliseconds(5));
   if (frame.state == Frame::State::reading) {
     const auto left = std::chrono::duration_cast<std::chrono::nanoseconds>(slice - Clock::now()).count();
@@ -265,7 +265,7 @@ void Service::abandon_context() {
   context_lost_ = true;
   for (Frame* frame : frames_) frame->cancelled = true;
   tracer_->wake();
-  queue_->wait_until_idle();  // the worker reads what is mapped
+  queue_->wait_until_idle();  // the worker reads mapped memory
   for (const auto& view : views_)
     if (view) view->abandon();
   if (transport_ && transport_->packer) transport_->packer->abandon();

@@ -1,6 +1,6 @@
-// The ray-tracing service inside a host's frame: it moves the jobs of frames through readback, trace and upload,
-// several frames in flight. The worker thread only traces; every GL call happens on the thread that calls in, with the
-// host's context current.
+// Runs rays inside a host's frame: takes the jobs of frames through readback, trace and upload, with several frames in
+// flight. The worker thread only traces; all OpenGL calls happen on the calling thread, with the host's context
+// current.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -28,7 +28,7 @@ namespace sideray::bridge {
 
 class Service {
  public:
-  // Keeps one reference to `tracer`.
+  // Holds a reference to `tracer`.
   Service(sideray_tracer* tracer, gl::Functions functions);
   ~Service();
   Service(const Service&) = delete;
@@ -40,25 +40,25 @@ class Service {
   // Returns whether these jobs of the frame (SIDERAY_JOB_*) were uploaded within the time; negative = no limit. Throws
   // Failure where one of them was cancelled or failed.
   bool wait(sideray_ticket ticket, uint32_t jobs, int32_t timeout_ms);
-  // Which jobs of the frame are uploaded. Without OpenGL. Throws Failure where the ticket is unknown.
+  // Returns which jobs of the frame are uploaded. Calls no OpenGL. Throws Failure where the ticket is unknown.
   uint32_t finished_jobs(sideray_ticket ticket) const;
   void cancel(sideray_ticket ticket);
-  // The newest finished outputs of a view. False before the first.
+  // Return the newest finished outputs of a view; false before the first.
   bool layers(uint32_t view_id, sideray_layer_outputs& outputs) const;
   bool masks(uint32_t view_id, sideray_mask_outputs& outputs) const;
   bool irradiance(uint32_t view_id, sideray_irradiance_outputs& outputs) const;
   bool reflections(uint32_t view_id, sideray_reflection_outputs& outputs) const;
-  // The instance's world-from-object matrix in the newest finished outputs of a job; none if they lack the instance.
+  // Returns the instance's world-from-object matrix in the newest outputs of a job; none if they lack the instance.
   std::optional<glm::dmat4x3> placement(uint32_t view_id, uint32_t job, sideray_instance instance) const;
-  // `space_origin`: where the program's positions are measured from; 0 = world space.
+  // `space_origin`: the origin of the program's positions; 0 = world space.
   void bind(uint32_t view_id, uint32_t program, uint32_t first_unit, glm::dvec3 space_origin);
-  // The counters of a frame, all its jobs together. Throws Failure where they have not all ended.
+  // Returns the counters of a frame, of all its jobs together. Throws Failure where they have not all ended.
   const rt::Counters& stats(sideray_ticket ticket) const;
   void abandon_context();
 
-  // The images that the jobs of view 0 traced last, for the offscreen tier, whose frames are all of that view.
+  // Return the last traced images of view 0, for the offscreen renderer, whose frames all have that view.
   const rt::LayerCache& cache() const { return views_[0]->layers.cache(); }
-  const rt::LayerTruth& truth() const { return views_[0]->layers.truth(); }  // Offscreen::check
+  const rt::LayerTruth& truth() const { return views_[0]->layers.truth(); }  // with Inspection::check
   const rt::CompositeImage& composite() const { return views_[0]->layers.composite(); }
   const rt::OcclusionMasks& mask_image() const { return views_[0]->masks.image(); }
   const MaskJob& mask_job() const { return views_[0]->masks; }
@@ -69,16 +69,16 @@ class Service {
   using Clock = Stopwatch::Clock;
   using Frame = ServiceFrame;
 
-  // A frame that has left the ring.
+  // Describes a frame that has left the ring.
   struct Outcome {
     sideray_ticket ticket;
     uint32_t uploaded;  // SIDERAY_JOB_*
     std::array<sideray_status, job_count> statuses;
     rt::Counters counters;
   };
-  // The state of some jobs of a frame.
+  // Holds the state of some jobs of a frame.
   struct Progress {
-    bool ended;             // all of them have
+    bool ended;             // all of them have ended
     sideray_status status;  // OK where none of them failed
   };
 
@@ -92,7 +92,7 @@ class Service {
   std::optional<Progress> progress(sideray_ticket ticket, uint32_t jobs) const;
   void wait_for_progress(Frame& frame, Clock::time_point deadline);
 
-  // Runs `body` and throws what it or OpenGL has to report; `on_failure` is called first.
+  // Runs `body` and rethrows its failure, or throws OpenGL's error; calls `on_failure` first.
   void with_errors_told(const gl::ErrorGuard& errors, const char* what, const std::function<void()>& body,
                         const std::function<void(sideray_status)>& on_failure);
   void with_errors_kept(Frame& frame, const char* what, const std::function<void(const gl::ErrorGuard&)>& body);
@@ -113,22 +113,22 @@ class Service {
   void drop(Frame& frame, sideray_status status);
   void close(Frame& frame);
 
-  // The worker thread's.
+  // Runs on the worker thread.
   void trace(Frame& frame, size_t job);
   rt::ShadingQueue* queue_of(const Frame& frame);
 
   sideray_tracer* tracer_;
   gl::Functions gl_;
-  float subpixel_;  // by how much of a pixel the rasterizer moves a vertex, at most
+  float subpixel_;  // the most that the rasterizer snaps a vertex, in pixels
   std::vector<CheckedProgram> checked_programs_;
-  uint32_t units_;  // that textures can be bound to
+  uint32_t units_;  // number of texture units
   bool context_lost_ = false;
   std::optional<Transport> transport_;  // chosen with the first frame
-  rt::Executor copiers_;  // as many threads as the tracer has, beside those of a frame that is traced meanwhile
-  std::array<std::unique_ptr<ServiceView>, SIDERAY_MAX_VIEWS> views_;  // those that frames were submitted of, and 0
-  std::vector<Frame*> frames_;                                         // of all of them, in no order
+  rt::Executor copiers_;  // as many threads as the tracer has, beside those that trace another frame meanwhile
+  std::array<std::unique_ptr<ServiceView>, SIDERAY_MAX_VIEWS> views_;  // views with submitted frames, and view 0
+  std::vector<Frame*> frames_;                                         // of all views, in no order
   sideray_ticket last_ticket_ = 0;
-  std::deque<Outcome> outcomes_;  // of the last finished frames
+  std::deque<Outcome> outcomes_;  // of the last frames
   FrameBudget budget_;
   std::unique_ptr<TraceQueue> queue_;
 };

@@ -1,4 +1,4 @@
-// The part of the service that sets a host's program up for a view's newest outputs.
+// Binds a view's newest outputs to a host's program, as a part of the service.
 #include <algorithm>
 
 #include "bridge/base/check_inputs.h"
@@ -42,7 +42,7 @@ void Service::bind(uint32_t view_id, uint32_t program, uint32_t first_unit, glm:
   const gl::ProgramGuard program_in_use(gl_, view.policy);
   const gl::TextureGuard active_unit(gl_, first_unit, 0, view.policy);
   gl_.UseProgram(program);
-  errors.check("bind");  // before anything of another program is changed
+  errors.check("bind");  // before anything changes in another program
   bind_layers(gl_, program, first_unit, view.layers, {space_origin, subpixel_});
   bind_masks(gl_, program, first_unit, view.masks, space_origin);
   bind_irradiance(gl_, program, first_unit, view.irradiance);

@@ -1,5 +1,5 @@
-// A frame in flight with its jobs, and what a view keeps from frame to frame. GL thread, except what the worker has
-// while a job is in state tracing.
+// Holds a frame in flight with its jobs, and what a view keeps from frame to frame. GL thread, except for the worker's
+// part while a job is in state tracing.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -26,16 +26,16 @@ struct ServiceView;
 
 inline constexpr size_t job_count = 4;
 
-// A job of one frame on its way.
+// Holds the progress of one job of a frame.
 struct JobRun {
   enum class State {
     ended,    // with `status`, or the frame has no such job
     waiting,  // for the frame's depth, or for the job's image
-    tracing,  // or about to: the worker's
-    traced    // to be uploaded
+    tracing,  // owned by the worker, or about to be
+    traced    // ready for upload
   };
   State state = State::ended;
-  sideray_status status = SIDERAY_OK;  // ended: OK = uploaded
+  sideray_status status = SIDERAY_OK;  // once ended: OK = uploaded
   rt::SequenceStep sequence = rt::SequenceStep::first;
   std::array<TextureReadback, most_textures_read> textures;
   rt::Counters counters;  // owned by the worker in state tracing, like the next
@@ -46,19 +46,19 @@ struct JobRun {
 struct ServiceFrame {
   enum class State { free, reading, mapped };
   State state = State::free;
-  ServiceView* view = nullptr;  // whose place it has
+  ServiceView* view = nullptr;  // the view that it belongs to
   sideray_ticket ticket = 0;
   FrameInputs inputs;
   std::shared_ptr<const model::Snapshot> snapshot;  // the scene as it was when the frame was submitted
   Readback readback;
   rt::DepthImage depth{};
-  Stopwatch watch;  // since the readback was issued
+  Stopwatch watch;  // since readback was issued
   std::atomic<bool> cancelled{false};
-  rt::Deadline end;  // when a frame with a budget is to be finished
-  std::array<JobRun, job_count> runs;  // of ServiceView::jobs
+  rt::Deadline end;  // when a frame with a budget must end
+  std::array<JobRun, job_count> runs;  // in the order of ServiceView::jobs
   rt::Counters counters;
 
-  // Which of its jobs are uploaded.
+  // Returns which of its jobs are uploaded.
   uint32_t finished_jobs() const;
   JobFrame job_frame(const JobRun& run) const { return {inputs, ticket, *snapshot, run.sequence, readback.multisampled()}; }
 };
@@ -76,9 +76,9 @@ struct ServiceView {
   IrradianceJob irradiance;
   LayerJob layers;
   ReflectionJob reflections;
-  const std::array<Job*, job_count> jobs{&masks, &irradiance, &reflections, &layers};  // in the order in which they are traced
+  const std::array<Job*, job_count> jobs{&masks, &irradiance, &reflections, &layers};  // in tracing order
   std::array<std::shared_ptr<const model::Snapshot>, job_count> shown;  // the scene of each job's newest outputs
-  std::array<bool, job_count> broken{};  // the next frame that is traced by the job follows none
+  std::array<bool, job_count> broken{};  // the next frame of the job starts a new history
 
   // Drops all OpenGL objects without calling OpenGL.
   void abandon() {

@@ -1,4 +1,4 @@
-// The part of the service that moves a frame's jobs on: readback, trace, upload, each step the same for all jobs.
+// Advances a frame's jobs, as a part of the service: readback, trace, upload, the same steps for all jobs.
 #include <algorithm>
 #include <ctime>
 #include <new>
@@ -27,7 +27,7 @@ sideray_status status_of(const std::exception_ptr& exception) {
   }
 }
 
-// The processor's time that this thread has had: an upload may wait for the host's own drawing, which is not ours.
+// Returns this thread's processor time, since an upload may wait for the host's own drawing.
 double busy_ms() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
@@ -58,14 +58,14 @@ void Service::with_errors_told(const gl::ErrorGuard& errors, const char* what, c
   } catch (...) {
     const GLenum error = errors.take();
     on_failure(status_of(std::current_exception()));
-    // These two explain any other failure, so they are reported instead of it.
+    // These two errors explain any other failure, so they are reported instead of it.
     if (error == GL_CONTEXT_LOST || error == GL_OUT_OF_MEMORY) gl::fail_with(gl_, error, what);
     throw;
   }
 }
 
-// A frame that cannot be read leaves the ring, with whatever of its buffers is still mapped; the last good outputs
-// stay. Once it is read, jobs fail one by one.
+// Handles errors: a frame that cannot be read leaves the ring with its mapped buffers, and the last good outputs stay.
+// Once a frame is read, its jobs fail one by one.
 void Service::with_errors_kept(Frame& frame, const char* what, const std::function<void(const gl::ErrorGuard&)>& body) {
   require_context(gl_);
   const gl::ErrorGuard errors(gl_);
@@ -77,7 +77,7 @@ void Service::with_errors_kept(Frame& frame, const char* what, const std::functi
       });
 }
 
-// Nothing of it has been traced.
+// Ends a frame of which no job has been traced.
 void Service::drop(Frame& frame, sideray_status status) {
   frame.readback = {};
   for (JobRun& run : frame.runs) run.textures = {};
@@ -155,7 +155,7 @@ bool Service::needs_context(const Frame& frame) const {
 }
 
 void Service::move_on(Frame& frame, const gl::ErrorGuard& errors) {
-  // A cancelled frame leaves at once, so that a fence that never comes cannot hold a place in the ring.
+  // Drops a cancelled frame at once, so that a fence that never signals cannot block a place in the ring.
   if (frame.state == Frame::State::reading && frame.cancelled) return drop(frame, SIDERAY_CANCELLED);
   if (frame.state == Frame::State::reading && frame.readback.ready(poll_ns)) finish_readback(frame);
   if (frame.state != Frame::State::mapped) return;
@@ -179,8 +179,8 @@ void Service::start_jobs(Frame& frame) {
   }
 }
 
-// The jobs of a view's frames are traced in the order of their tickets; a job's image is written again when it has been
-// uploaded.
+// Returns whether a job may start: a view's frames are traced in the order of their tickets, and a job's image must be
+// uploaded before it is overwritten.
 bool Service::may_start(const Frame& frame, size_t job) {
   return std::none_of(frame.view->frames.begin(), frame.view->frames.end(), [&](const Frame& other) {
     if (&other == &frame || other.state == Frame::State::free) return false;
@@ -196,7 +196,7 @@ void Service::finish_jobs(Frame& frame, const gl::ErrorGuard& errors) {
   for (JobRun& run : frame.runs)
     if (run.state == JobRun::State::tracing && queue_->is_traced(run)) {
       run.state = JobRun::State::traced;
-      run.counters.pixels_total = 0;  // they are the frame's
+      run.counters.pixels_total = 0;  // the frame counts them
       frame.counters += run.counters;
     }
   if (std::none_of(frame.runs.begin(), frame.runs.end(), reads_depth)) release_readback(frame);
@@ -219,7 +219,7 @@ void Service::finish_job(Frame& frame, size_t job, const gl::ErrorGuard& errors)
   end_job(frame, job, SIDERAY_OK);
 }
 
-// First everything that can fail, then the texels: a job that fails leaves its last good outputs as they are.
+// Does everything that can fail before it changes texels: a job that fails leaves its last good outputs as they are.
 void Service::upload(Frame& frame, size_t index, const gl::ErrorGuard& errors) {
   Job& job = *frame.view->jobs[index];
   const JobFrame job_frame = frame.job_frame(frame.runs[index]);

@@ -1,5 +1,5 @@
-// The worker thread that traces the jobs of frames one by one, in the order in which they are pushed. All calls come
-// from the GL thread.
+// Runs the worker thread that traces the jobs of frames one by one, in the order in which they are pushed. All calls
+// come from the GL thread.
 #pragma once
 
 #include <condition_variable>
@@ -14,17 +14,17 @@ namespace sideray::bridge {
 
 class TraceQueue {
  public:
-  // `trace` is called on the worker thread with a frame and the index of its job, `traced` after each.
+  // Calls `trace` on the worker thread with a frame and the index of its job, and `traced` after each.
   TraceQueue(std::function<void(ServiceFrame&, size_t)> trace, std::function<void()> traced);
-  // Joins the worker, which first finishes what was pushed: cancel earlier frames.
+  // Joins the worker, which first finishes all pushed jobs: cancel their frames before.
   ~TraceQueue();
   TraceQueue(const TraceQueue&) = delete;
   TraceQueue& operator=(const TraceQueue&) = delete;
 
-  // Only the worker may touch the job's run until is_traced().
+  // Queues a job; only the worker may touch its run until is_traced().
   void push(ServiceFrame& frame, size_t job);
   bool is_traced(const JobRun& run) const;
-  // Blocks until everything that was pushed is traced.
+  // Blocks until all pushed jobs are traced.
   void wait_until_idle();
 
  private:

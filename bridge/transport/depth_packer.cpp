@@ -11,14 +11,14 @@
 namespace sideray::bridge {
 namespace {
 
-constexpr uint32_t group_size = 16;  // that of the shader, either way
+constexpr uint32_t group_size = 16;  // both sides of the shader's work groups
 constexpr uint32_t depth_unit = 0, stencil_unit = 1, unit_count = 2, storage_points = 1;
 
 uint32_t groups_over(uint32_t pixels) {
   return (pixels + group_size - 1) / group_size;
 }
 
-// Depths spread evenly from 0 to 1, with every stencil value.
+// Returns depths spread evenly from 0 to 1, with every stencil value.
 std::vector<uint32_t> probes(uint32_t side) {
   std::vector<uint32_t> words(size_t{side} * side);
   for (uint32_t i = 0; i < words.size(); ++i) words[i] = (i << 8 | i >> 8) << 8 | (i & 255);
@@ -38,7 +38,7 @@ DepthPacker::DepthPacker(const gl::Functions& gl)
     : gl_(gl),
       program_(gl, "pack depth and stencil", {{"pack_depth_stencil.comp.glsl"}, {}, "430 core"}) {}
 
-// Leaves it bound for drawing. It only grows: views of several sizes take turns.
+// Binds the copy for drawing. It only grows, since views of several sizes take turns.
 void DepthPacker::require_copy(uint32_t width, uint32_t height) {
   if (!copy_ || width > width_ || height > height_) {
     width = std::max(width, width_), height = std::max(height, height_);
@@ -84,7 +84,7 @@ bool DepthPacker::is_exact() {
 void DepthPacker::pack(Rectangle where, uint32_t buffer) {
   const gl::TextureGuard textures(gl_, 0, unit_count);
   const gl::StorageGuard storage(gl_, storage_points);
-  const gl::DrawGuard plain(gl_);  // the program, and what bears on blits: see ReadTarget
+  const gl::DrawGuard plain(gl_);  // guards the program, and sets initial state for the blit: see ReadTarget
   gl_.ActiveTexture(GL_TEXTURE0);
   require_copy(where.width, where.height);
   const auto x = static_cast<GLint>(where.x), y = static_cast<GLint>(where.y);
@@ -94,7 +94,7 @@ void DepthPacker::pack(Rectangle where, uint32_t buffer) {
   dispatch(where.width, where.height, buffer);
 }
 
-// Whatever maps the buffer afterwards finds all of it, once the GPU is done.
+// Runs the shader; whoever maps the buffer afterwards sees its complete result, once the GPU is done.
 void DepthPacker::dispatch(uint32_t width, uint32_t height, uint32_t buffer) {
   const std::pair<uint32_t, uint32_t> bindings[] = {{stencil_unit, stencil_.id()}, {depth_unit, depth_.id()}};
   for (const auto& [unit, texture] : bindings) {

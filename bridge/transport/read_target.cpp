@@ -7,7 +7,7 @@
 namespace sideray::bridge {
 namespace {
 
-// Depth and stencil one by one, since EXT_framebuffer_object has no attachment of both.
+// Attaches depth or stencil alone, since EXT_framebuffer_object has no attachment for both.
 void attach(const gl::Functions& gl, GLenum attachment, const sideray_frame_source& in) {
   if (in.depth_renderbuffer != 0)
     gl.FramebufferRenderbuffer(gl.read_framebuffer, attachment, GL_RENDERBUFFER, in.depth_renderbuffer);
@@ -17,7 +17,7 @@ void attach(const gl::Functions& gl, GLenum attachment, const sideray_frame_sour
     gl.FramebufferTexture2D(gl.read_framebuffer, attachment, in.depth_texture_target, in.depth_texture, 0);
 }
 
-// A texture without stencil makes a framebuffer incomplete; of a renderbuffer, it is an error to try.
+// Returns false for a renderbuffer without stencil, which is an error to attach. A texture is attached to find out.
 bool may_have_stencil(const gl::Functions& gl, const sideray_frame_source& in) {
   if (in.depth_renderbuffer == 0) return true;
   GLint bits = 0;
@@ -30,7 +30,7 @@ bool is_readable(const gl::Functions& gl) {
   return gl.CheckFramebufferStatus(gl.read_framebuffer) == GL_FRAMEBUFFER_COMPLETE;
 }
 
-// The format of the framebuffer that is bound for reading, as a renderbuffer has it.
+// Returns the renderbuffer format that matches the framebuffer bound for reading.
 GLenum storage_format(const DepthStencilFormat& format) {
   switch (format.layout) {
     case rt::DepthFormat::d16:
@@ -68,7 +68,7 @@ ReadTarget::Bound ReadTarget::bind(const gl::Functions& gl, const sideray_frame_
   return bound;
 }
 
-// Stencil as well, where the image has it: an image without it is no stencil attachment.
+// Wraps the host's image in a framebuffer, with stencil where the image has it.
 uint32_t ReadTarget::wrap_image(const gl::Functions& gl, const sideray_frame_source& in) {
   if (!around_) around_ = gl::Framebuffer(gl);
   gl.BindFramebuffer(gl.read_framebuffer, around_.id());
@@ -101,8 +101,8 @@ void ReadTarget::resolve(const gl::Functions& gl, uint32_t framebuffer, const si
   allocate_copy(gl, storage_format(format), in.width, in.height);
   gl.BindFramebuffer(gl.read_framebuffer, framebuffer);
   gl.BindFramebuffer(gl.draw_framebuffer, copy_.id());
-  // OpenGL lets only the scissor test bear on it. On NVIDIA copies of 32-bit float depth with stencil went wrong amid
-  // random state, mostly where rasterizer discard was on.
+  // Restores initial state for the blit, which by the specification only the scissor test affects: on NVIDIA, copies of
+  // 32-bit float depth with stencil failed with random state set, mostly where rasterizer discard was on.
   const gl::DrawGuard plain(gl, policy);
   const GLbitfield planes = GL_DEPTH_BUFFER_BIT | (format.has_stencil ? GL_STENCIL_BUFFER_BIT : 0u);
   gl.BlitFramebuffer(in.x, in.y, in.x + in.width, in.y + in.height, 0, 0, in.width, in.height, planes, GL_NEAREST);

@@ -1,5 +1,5 @@
-// Where a frame's depth and stencil are read from: the host's framebuffer, one of our own around its image, or a copy
-// of one sample of each pixel. GL thread; reused from frame to frame.
+// Provides the framebuffer to read depth and stencil from: the host's, one of our own around its image, or a copy of
+// one sample of each pixel. GL thread; reused from frame to frame.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -12,13 +12,13 @@ namespace sideray::bridge {
 
 class ReadTarget {
  public:
-  // The framebuffer that is bound for reading, and where the source's rectangle begins in it.
+  // Holds the framebuffer bound for reading, and the origin of the source's rectangle in it.
   struct Bound {
     uint32_t framebuffer;  // 0: the default one
     int32_t x, y;
-    bool multisampled;  // it is the copy of one sample of each pixel, anywhere in the pixel
+    bool multisampled;  // the framebuffer is a copy of one sample per pixel, anywhere in the pixel
   };
-  // Binds it. Needs a guard over framebuffers. Throws Failure (INVALID_ARGUMENT, UNSUPPORTED).
+  // Binds the framebuffer. Needs a guard over framebuffers. Throws Failure (INVALID_ARGUMENT, UNSUPPORTED).
   Bound bind(const gl::Functions& gl, const sideray_frame_source& source, gl::StatePolicy policy);
   void abandon();
 

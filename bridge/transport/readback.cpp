@@ -16,7 +16,7 @@ struct Bits {
   bool float_depth;
 };
 
-// Before OpenGL 3.0 only the framebuffer as a whole could be asked, and 32 bits were floats.
+// Queries the whole framebuffer, as before OpenGL 3.0 there was no other way; 32 bits were floats then.
 Bits bits_of_framebuffer(const gl::Functions& gl) {
   Bits bits{};
   gl.GetIntegerv(GL_DEPTH_BITS, &bits.depth);
@@ -68,7 +68,7 @@ DepthStencilFormat depth_stencil_format(const gl::Functions& gl, bool default_fr
   return {floats, GL_DEPTH_COMPONENT, GL_FLOAT, 4, false, bits.depth};
 }
 
-// Leaves it bound.
+// Binds the buffer, and allocates it where it is too small or of the other kind.
 void Readback::require_buffer(const gl::Functions& gl, bool persistent) {
   if (buffer_ && persistent == persistent_ && capacity_ >= bytes_) {
     gl.BindBuffer(GL_PIXEL_PACK_BUFFER, buffer_.id());

@@ -1,5 +1,5 @@
-// Brings one frame's depth, stencil and mask of layers from a framebuffer into memory, in the buffer's own format. GL
-// thread.
+// Reads one frame's depth, stencil and mask of layers from a framebuffer into memory, in the framebuffer's own format.
+// GL thread.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -26,40 +26,40 @@ struct DepthStencilFormat {
   int depth_bits;
 };
 
-// What the framebuffer holds that is bound for reading and for drawing. Throws Failure (UNSUPPORTED) naming the format
-// and the remedy.
+// Returns the format of the framebuffer that is bound for reading and drawing. Throws Failure (UNSUPPORTED) that names
+// the format and the remedy.
 DepthStencilFormat depth_stencil_format(const gl::Functions& gl, bool default_framebuffer);
 
-// The part of the framebuffer that the view covers.
+// Returns the part of the framebuffer that the view covers.
 Rectangle rectangle_of(const sideray_frame_source& source);
 
 struct ReadbackRequest {
   const sideray_frame_source& source;
   gl::StatePolicy policy;
-  bool stencil;                   // it is needed
-  bool persistent;                // into a buffer that stays mapped, which needs buffer_storage
-  DepthPacker* packer = nullptr;  // of depth with 24 bits and stencil; null: the driver packs it too
+  bool stencil;                   // stencil is needed
+  bool persistent;                // uses a buffer that stays mapped, which needs buffer_storage
+  DepthPacker* packer = nullptr;  // packs depth of 24 bits with stencil; null: the driver does
 };
 
-// A pixel buffer and its fence; reused from frame to frame.
+// Holds a pixel buffer and its fence; reused from frame to frame.
 class Readback {
  public:
   // Issues the copy of the source's rectangle and returns. Needs guards over the pixel transfer state and framebuffers.
   void start(const gl::Functions& gl, const ReadbackRequest& request);
-  // Call when all copies of the frame are issued.
+  // Call it once all copies of the frame are issued.
   void issue_fence(const gl::Functions& gl) { fence_ = gl::Fence(gl); }
-  // True once the bytes can be mapped without waiting; waits at most `timeout_ns` for it.
+  // Returns whether the bytes can be mapped without waiting; waits at most `timeout_ns` for it.
   bool ready(uint64_t timeout_ns) const;
-  // The bytes; valid until finish. Blocks where they are not ready.
+  // Returns the bytes, valid until finish(). Blocks where they are not ready.
   rt::DepthImage map(const gl::Functions& gl);
-  // A byte a pixel where the source has such a mask, otherwise empty; valid as long.
+  // Returns a byte per pixel where the source has such a mask, otherwise nothing; valid as long.
   std::span<const uint8_t> mask() const {
     return mask_memory_.empty() ? mask_.texels<uint8_t>() : std::span<const uint8_t>(mask_memory_);
   }
   void finish(const gl::Functions& gl);
   void abandon();
   uint64_t bytes() const { return bytes_ + mask_.bytes(); }
-  // Whether depth is that of one sample of each pixel, of several, once start() has returned.
+  // Returns whether depth comes from one of several samples per pixel; valid after start().
   bool multisampled() const { return multisampled_; }
 
  private:
@@ -76,7 +76,7 @@ class Readback {
   uint64_t bytes_ = 0, capacity_ = 0;
   uint32_t width_ = 0;
   bool mapped_ = false, persistent_ = false, multisampled_ = false;
-  const std::byte* always_mapped_ = nullptr;  // where it is persistent
+  const std::byte* always_mapped_ = nullptr;  // only where persistent_
 };
 
 }  // namespace sideray::bridge

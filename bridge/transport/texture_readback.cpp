@@ -5,7 +5,7 @@
 namespace sideray::bridge {
 namespace {
 
-// Of the texture that is attached for reading.
+// Returns whether the texture attached for reading holds halfs.
 bool holds_halfs(const gl::Functions& gl) {
   if (!gl.attachment_sizes) return false;
   const auto parameter = [&](GLenum name) {

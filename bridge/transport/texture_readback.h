@@ -1,4 +1,4 @@
-// A rectangle of a texture on its way into memory. GL thread; reused from frame to frame.
+// Reads a rectangle of a texture into memory. GL thread; reused from frame to frame.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,11 @@
 
 namespace sideray::bridge {
 
-// How a texel is read.
+// Says how a texel is read.
 struct ReadTexel {
   uint32_t format, type, bytes;
-  const char* wanted;  // the texture's format, for errors
-  bool may_be_halfs = false;  // a texture of halfs is read as it is: are_halfs()
+  const char* wanted;  // name of the texture's format, for errors
+  bool may_be_halfs = false;  // a texture of halfs is read as halfs: are_halfs()
 };
 inline constexpr ReadTexel rgba_floats{GL_RGBA, GL_FLOAT, 16, "RGBA32F"};
 inline constexpr ReadTexel rgba_floats_or_halfs{GL_RGBA, GL_FLOAT, 16, "RGBA32F or RGBA16F", true};
@@ -27,7 +27,7 @@ class TextureReadback {
   // `name` is the input's, for errors; texture 0: nothing is read. Needs guards over the pixel transfer state and
   // framebuffers. Throws Failure (INVALID_ARGUMENT, OUT_OF_MEMORY).
   void start(const gl::Functions& gl, const char* name, uint32_t texture, Rectangle where, const ReadTexel& texel);
-  // Blocks where the bytes are not there; texels() then holds until finish. Needs a guard over the pack buffer.
+  // Blocks where the bytes are not ready; texels() is valid until finish(). Needs a guard over the pack buffer.
   void map(const gl::Functions& gl);
   void finish(const gl::Functions& gl);
   void abandon();

@@ -8,13 +8,13 @@ namespace sideray::bridge {
 namespace {
 
 constexpr uint64_t longest_wait_ns = 100'000'000;
-constexpr uint64_t bytes_of_part = 1 << 17;  // that one thread copies at a time
+constexpr uint64_t bytes_of_part = 1 << 17;  // copied by one thread at a time
 
 uint64_t bytes_of(const TexturePiece& p) {
   return uint64_t{p.where.width} * p.where.height * p.format.bytes;
 }
 
-// A piece in a buffer has to begin at a multiple of its type's size, 4 at most.
+// Returns the bytes of a piece in a buffer, rounded up to 4, since each must begin at a multiple of its type's size.
 uint64_t room_of(const TexturePiece& p) {
   return (bytes_of(p) + 3) / 4 * 4;
 }
@@ -27,7 +27,7 @@ void copy_rows(const TexturePiece& p, uint32_t first_row, uint32_t rows, std::by
   }
 }
 
-// Copies all pieces to where each has its room: one core alone moves a frame's texels slower than the GPU takes them.
+// Copies all pieces one after another into the buffer, in parallel: one core alone is slower than the GPU's transfer.
 void copy_in_parallel(std::span<const TexturePiece> pieces, std::byte* to, rt::Executor& copiers) {
   struct Part {
     const TexturePiece* piece;
@@ -47,7 +47,7 @@ void copy_in_parallel(std::span<const TexturePiece> pieces, std::byte* to, rt::E
   });
 }
 
-// The same without allocations, if there is no memory for lists and tasks: an upload that has begun must not fail.
+// Does the same without allocations where memory for tasks is lacking: an upload that has begun must not fail.
 void copy_all(std::span<const TexturePiece> pieces, std::byte* to, rt::Executor& copiers) try {
   copy_in_parallel(pieces, to, copiers);
 } catch (const std::bad_alloc&) {
@@ -70,16 +70,16 @@ void set_texels(const gl::Functions& gl, const TexturePiece& p, uint32_t row_tex
 
 }  // namespace
 
-// Returns a buffer that the driver does not read, or null where there is no memory for one. A second one is made if
+// Returns a buffer that the driver is not reading, or null where there is no memory for one. Makes a second one if
 // uploads follow each other faster than the driver reads them.
 TextureUpload::Staging* TextureUpload::require_staging(const gl::Functions& gl, uint64_t bytes) {
   const auto is_free = [](const Staging& s) { return !s.read || s.read.wait_or_give_up(0); };
   auto chosen = std::find_if(stagings_.begin(), stagings_.end(), is_free);
   if (chosen == stagings_.end()) {
     chosen = stagings_.begin();
-    // Rather a new buffer than to wait for ever: the driver keeps the old one until it has read it.
+    // Makes a new buffer instead of waiting forever: the driver keeps the old one until it has read it.
     if (!chosen->read.wait_or_give_up(longest_wait_ns)) chosen->capacity = 0;
-    std::rotate(stagings_.begin(), chosen + 1, stagings_.end());  // the other one was sent before the next of this one
+    std::rotate(stagings_.begin(), chosen + 1, stagings_.end());  // keeps the order in which they were sent
     chosen = stagings_.end() - 1;
   }
   Staging& s = *chosen;

@@ -1,5 +1,4 @@
-// Texels on their way from memory into textures: straight from where they lie, or through a buffer that stays mapped.
-// GL thread.
+// Moves texels from memory into textures: directly, or through a buffer that stays mapped. GL thread.
 #pragma once
 
 #include <array>
@@ -26,17 +25,17 @@ struct Rectangle {
   uint32_t x, y, width, height;
 };
 
-// A rectangle of one layer of a texture, 2D or 2D array, and the image that it is cut from.
+// Describes a rectangle of one layer of a texture, 2D or 2D array, and the image that it is cut from.
 struct TexturePiece {
   uint32_t target, texture, layer;
   TexelFormat format;
   Rectangle where;
-  const std::byte* layer_texels;  // of the whole layer
-  uint32_t row_texels;            // of the layer
+  const std::byte* layer_texels;  // first texel of the whole layer
+  uint32_t row_texels;            // row length of the whole layer
 };
 
-// Says how texels get into textures: `persistent`, the threads of `copiers` copy them into a buffer that stays mapped;
-// otherwise the driver takes them from where they lie.
+// Says how texels get into textures: with `persistent`, the threads of `copiers` copy them into a buffer that stays
+// mapped; otherwise the driver reads them directly.
 struct UploadWay {
   bool persistent;
   rt::Executor& copiers;
@@ -44,14 +43,14 @@ struct UploadWay {
 
 class TextureUpload {
  public:
-  // Returns the bytes moved. A persistent way needs buffer_storage; where there is no memory for its buffer, texels are
-  // taken from where they lie. Needs guards over the pixel transfer state and the active unit's textures. No OpenGL
-  // error may be pending.
+  // Returns the bytes moved. A persistent way needs buffer_storage; without memory for its buffer, the driver reads
+  // texels directly. Needs guards over the pixel transfer state and the active unit's textures. No OpenGL error may be
+  // pending.
   uint64_t send(const gl::Functions& gl, std::span<const TexturePiece> pieces, const UploadWay& way);
   void abandon();
 
  private:
-  // A mapped buffer, and the fence behind which the driver has read what the last call put into it.
+  // Holds a mapped buffer, and a fence that signals once the driver has read the last upload from it.
   struct Staging {
     gl::Buffer buffer;
     gl::Fence read;

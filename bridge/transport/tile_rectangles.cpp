@@ -7,7 +7,7 @@
 namespace sideray::bridge {
 namespace {
 
-// What a rectangle costs in texels: an NVIDIA H200 took 16 us for each, and as long for 0.4 MB of them.
+// Cost of a rectangle in texels: an NVIDIA H200 took 16 us for each, and as long for 0.4 MB of texels.
 constexpr uint64_t texels_of_rectangle = 1 << 16;
 
 uint64_t area_of(const Rectangle& r) {
@@ -27,7 +27,7 @@ class Tiles {
   uint32_t columns() const { return (width_ + tile_ - 1) / tile_; }
   uint32_t rows() const { return (height_ + tile_ - 1) / tile_; }
   bool wants(uint32_t column, uint32_t row) const { return wanted_[size_t{row} * columns() + column] != 0; }
-  // Returns the first column from `column` on that is wanted, or is not; columns() where there is none.
+  // Returns the first column from `column` on whose wanted state is `wanted`; columns() where there is none.
   uint32_t next(uint32_t column, uint32_t row, bool wanted) const {
     while (column < columns() && wants(column, row) != wanted) ++column;
     return column;
@@ -42,7 +42,7 @@ class Tiles {
   uint32_t tile_, width_, height_;
 };
 
-// Runs of neighbours in a row, and equal runs of neighbouring rows, become one.
+// Merges neighbouring tiles of a row, and equal runs of neighbouring rows.
 std::vector<Rectangle> by_texels(const Tiles& tiles) {
   constexpr size_t none = ~size_t{0};
   std::vector<Rectangle> rectangles;

@@ -1,4 +1,4 @@
-// Tiles of a picture as rectangles, for uploads. Any thread.
+// Converts tiles of a picture to rectangles for uploads. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -9,18 +9,18 @@
 
 namespace sideray::bridge {
 
-// Says what an upload costs where.
+// Says what dominates the cost of an upload.
 enum class RectangleCost {
   texels,      // in software: each texel is copied, and a call costs little
   rectangles,  // on a device: each rectangle costs as much as tens of thousands of texels
 };
 
-// Returns disjoint rectangles that cover the wanted tiles, row 0 first: of tiles with `tile` pixels a side, cut off at
-// width and height, a byte each that is 0 where a tile is not wanted. By texels they cover nothing else. By rectangles
-// they are bands of rows, as wide as what is wanted in them, and two are one where what lies between costs less.
+// Returns disjoint rectangles that cover the wanted tiles, row 0 first. Tiles have `tile` pixels a side, cut off at
+// width and height; `wanted` has a byte for each, 0 = not wanted. By texels they cover nothing else. By rectangles they
+// are bands of rows as wide as the wanted tiles, merged where the area between costs less than a rectangle.
 std::vector<Rectangle> rectangles_of(std::span<const uint8_t> wanted, uint32_t tile, uint32_t width, uint32_t height,
                                      RectangleCost cost);
-// Returns those around tiles of a frame, at this device's cost. What else they cover is not to matter.
+// Returns rectangles around tiles of a frame, at this device's cost. They may also cover tiles that are not wanted.
 std::vector<Rectangle> rectangles_around(const gl::Functions& gl, std::span<const uint8_t> wanted, uint32_t width,
                                          uint32_t height);
 

@@ -20,8 +20,8 @@
 namespace sideray::bridge {
 namespace {
 
-// The first round of each allocates; drivers' second and third still differ by a few times. Of the rest the least
-// counts: whatever else the machine does makes one slower, none faster.
+// The first round of each way allocates, and times of the next two may still differ severalfold in drivers. The least
+// time after the first round counts, since other work on the machine only makes a round slower.
 constexpr int rounds = 5;
 constexpr uint64_t second_ns = 1'000'000'000;
 constexpr uint32_t most_upload_texels = 1920 * 1088;
@@ -35,13 +35,13 @@ double ms_of(const gl::Functions& gl, const Body& body) {
   return watch.ms();
 }
 
-// One way to move something, and the least that it took.
+// Describes one way to move data, and its least time.
 struct Way {
   const char* name;
   bool persistent;
   DepthPacker* packer = nullptr;
   double ms = std::numeric_limits<double>::max();
-  bool is_right = true;  // it brings the bytes that the first way does
+  bool is_right = true;  // gives the same bytes as the first way
 };
 
 const Way& fastest(std::span<const Way> ways) {
@@ -58,7 +58,7 @@ std::string told(std::span<const Way> ways) {
   return text;
 }
 
-// Measures from the issue of the copy to the last byte read: memory that is slow to read counts.
+// Measures from the issue of the copy to the last byte read, so that slowly readable memory counts.
 void measure_readback(const gl::Functions& gl, const ReadbackRequest& request, std::span<Way> ways) {
   std::vector<Readback> readbacks(ways.size());
   std::vector<std::byte> bytes, first_bytes;
@@ -70,9 +70,9 @@ void measure_readback(const gl::Functions& gl, const ReadbackRequest& request, s
       const double ms = ms_of(gl, [&] {
         readback.start(gl, {request.source, request.policy, request.stencil, way.persistent, way.packer});
         readback.issue_fence(gl);
-        fences_come = fences_come && readback.ready(second_ns);  // otherwise map waits in another way
+        fences_come = fences_come && readback.ready(second_ns);  // if not, map waits in another way
         const rt::DepthImage image = readback.map(gl);
-        bytes.resize(image.row_bytes * static_cast<size_t>(request.source.height));  // a mask's bytes lie elsewhere
+        bytes.resize(image.row_bytes * static_cast<size_t>(request.source.height));  // a mask's bytes are elsewhere
         std::memcpy(bytes.data(), image.texels, bytes.size());
         readback.finish(gl);
       });
@@ -108,13 +108,13 @@ bool has_packed_depth(const gl::Functions& gl, const ReadbackRequest& request) {
   return depth_stencil_format(gl, bound.framebuffer == 0).layout == rt::DepthFormat::d24s8;
 }
 
-// Null where there is nothing to pack, and where the context cannot, or gives other depths than the driver's copy.
+// Returns null where there is nothing to pack, and where the context cannot pack or gives other depths than the driver.
 std::unique_ptr<DepthPacker> exact_packer(const gl::Functions& gl, const ReadbackRequest& request) {
   if (!gl.compute || !has_packed_depth(gl, request)) return nullptr;
   try {
     auto packer = std::make_unique<DepthPacker>(gl);
     if (packer->is_exact()) return packer;
-  } catch (const Failure&) {  // a driver that refuses is one that cannot
+  } catch (const Failure&) {  // the driver cannot pack
   }
   return nullptr;
 }

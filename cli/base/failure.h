@@ -1,4 +1,4 @@
-// How the program fails: wrong usage is exit code 2, everything else (sideray::Error) exit code 1. Any thread.
+// Defines how the program fails: exit code 2 for wrong usage, 1 for everything else (sideray::Error). Any thread.
 #pragma once
 
 #include <fmt/format.h>
@@ -21,7 +21,7 @@ template <typename... Args>
   throw UsageError(fmt::format(format, std::forward<Args>(args)...));
 }
 
-// "sideray: MESSAGE" as one line on standard error.
+// Print "sideray: MESSAGE" as one line on standard error.
 void print_error(const std::string& message);
 void print_warning(const std::string& message);
 void print_note(const std::string& message);

@@ -25,8 +25,8 @@ namespace fs = std::filesystem;
               fmt::format("{}: cannot be written: {}; choose a folder that exists and allows it", path, why));
 }
 
-// An empty file beside `path` whose name no other process has, on whichever machine; it is removed in the end. Throws
-// Error where none can be made.
+// Creates an empty file beside `path`, whose name no other process has on any machine, and removes it at the end.
+// Throws Error where none can be created.
 class Scratch {
  public:
   explicit Scratch(const std::string& path) : name_(path + ".tmp-XXXXXX") {
@@ -45,7 +45,7 @@ class Scratch {
 
 bool is_same_file(const std::string& a, const std::string& b) {
   std::error_code error;
-  if (fs::equivalent(a, b, error)) return true;  // hard links too
+  if (fs::equivalent(a, b, error)) return true;  // also true for hard links
   std::error_code unknown_a, unknown_b;
   const fs::path full_a = fs::weakly_canonical(fs::absolute(a, error), unknown_a);
   const fs::path full_b = fs::weakly_canonical(fs::absolute(b, error), unknown_b);
@@ -69,7 +69,7 @@ std::string require_extension(const std::string& what, const std::string& path,
   return extension;
 }
 
-// Permission bits say little (root, read-only mounts), so a file is made and removed.
+// Creates and removes a file, since permission bits say little (root, read-only mounts).
 void require_writable(const std::string& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) cannot_write(path, "it is a folder");
@@ -91,8 +91,7 @@ void write_text(const std::string& path, const std::string& text) {
   scenes::write_file(path, bytes);
 }
 
-// A link is made under a name that is free, or not at all; a rename would replace what another machine has just
-// written.
+// Uses a link, which fails where the name is taken; a rename would replace what another machine has just written.
 bool write_text_once(const std::string& path, const std::string& text) {
   const Scratch scratch(path);
   write_text(scratch.name(), text);

@@ -1,4 +1,4 @@
-// Output files: names checked before any work, text written whole or not at all. Any thread.
+// Handles output files: checks names before any work, and writes text completely or not at all. Any thread.
 #pragma once
 
 #include <string>
@@ -6,30 +6,30 @@
 
 namespace sideray::cli {
 
-// Lower-case extension with its dot. Throws UsageError where it is not one of `accepted`; `what` names the option.
+// Returns the lower-case extension with its dot. Throws UsageError if it is not in `accepted`; `what` names the option.
 std::string require_extension(const std::string& what, const std::string& path,
                               const std::vector<std::string>& accepted);
 
-// Throws Error where no file of this name can be written.
+// Throws Error where a file of this name cannot be written.
 void require_writable(const std::string& path);
 
-// With all folders above it. Throws Error where that cannot be.
+// Creates a folder with all its parents. Throws Error where that fails.
 void make_folder(const std::string& path);
 
 void write_text(const std::string& path, const std::string& text);
 
-// The same where no such file exists; of many processes that try at once one succeeds, and the others get false. The folder
-// has to know hard links, as those of clusters do (NFS, Lustre). Throws Error.
+// Does the same if no such file exists, and returns whether it did: of many processes at once, only one does. The file
+// system must support hard links, as those of clusters do (NFS, Lustre). Throws Error.
 bool write_text_once(const std::string& path, const std::string& text);
 
-// Whether a file's name is that of one that a killed process left half-written.
+// Returns whether a name is that of a file that a killed process left unfinished.
 bool is_unfinished(const std::string& name);
 
 struct NamedFile {
   std::string what, path;  // what: the option; path "" = none
 };
 
-// Throws UsageError where a file to write is another file to write or to read.
+// Throws UsageError where a file would be written twice, or written and read.
 void require_distinct(const std::vector<NamedFile>& written, const std::vector<NamedFile>& read);
 
 }  // namespace sideray::cli

@@ -13,7 +13,7 @@
 namespace sideray::cli {
 namespace {
 
-// The program's own name is empty in the list of what is loaded.
+// The program itself has an empty name in the list of loaded objects.
 int add_own_file(dl_phdr_info* object, size_t, void* data) {
   const std::string_view name = object->dlpi_name;
   auto& files = *static_cast<std::vector<std::string>*>(data);

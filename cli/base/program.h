@@ -1,15 +1,15 @@
-// Which program this is. Any thread.
+// Identifies this program. Any thread.
 #pragma once
 
 #include <string>
 
 namespace sideray::cli {
 
-// For example "0.3.0".
+// Returns for example "0.3.0".
 std::string program_version();
 
-// The version and a hash of the program's file and of the libraries of its own that it has loaded: another build is
-// another program, and may draw another picture.
+// Returns the version and a hash of the files of the program and of its own loaded libraries. Another build counts as
+// another program, as it may draw other pictures.
 const std::string& program_build();
 
 }  // namespace sideray::cli

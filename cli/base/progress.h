@@ -1,4 +1,4 @@
-// A bar on standard error while work goes on; nothing where that is no terminal. Main thread.
+// Shows progress as a bar on standard error, and nothing where that is no terminal. Main thread.
 #pragma once
 
 #include <cstddef>
@@ -9,11 +9,11 @@ namespace sideray::cli {
 class Progress {
  public:
   explicit Progress(size_t steps);
-  ~Progress();  // takes the bar away
+  ~Progress();  // removes the bar
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  // Shows what is done now; the step before is finished.
+  // Ends the step before and shows the next one.
   void next(const std::string& what);
 
  private:

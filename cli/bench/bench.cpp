@@ -18,7 +18,7 @@ namespace {
 
 constexpr const char* to_standard_output = "-";
 
-// A benchmark measures what options say: it neither chooses them nor runs beside others.
+// Omits options that choose others or share a run: a benchmark measures the given options, alone.
 Table bench_rows() {
   static const sideray_option rows[] = {
       text_row("o", "IMAGE", "", "writes the picture too"),
@@ -77,7 +77,7 @@ RenderRun draw_timed(Session& session, const RenderOptions& picture, bool writes
   return drawn.run;
 }
 
-// Returns the stages of one picture, or of a sequence the quartiles over the medians of its frames.
+// Returns the stages of one picture; for a sequence, quartiles over the medians of its frames.
 std::vector<sideray_stage_time> stages_of(const std::vector<RenderRun>& runs) {
   std::vector<sideray_stage_time> stages = runs.front().stages;
   if (runs.size() == 1) return stages;
@@ -103,7 +103,7 @@ void print_table(const std::vector<RenderRun>& runs) {
   if (raw_ms > 0) fmt::print("{:12} {:9.2f} {:>9} {:>9} {:10.2f}\n", "raw frame", raw_ms, "", "", 1.0);
 }
 
-// An object; of a sequence one a line, each with its frame.
+// Returns a JSON object; for a sequence, a line for each frame.
 std::string json_text(const BenchOptions& options, const std::vector<RenderOptions>& pictures,
                       const std::vector<RenderRun>& runs) {
   if (!options.picture.frames) return stats_json(pictures.front(), runs.front()).dump(2) + "\n";
@@ -127,7 +127,7 @@ int bench(const std::string& scene, const Given& given) {
   const BenchOptions options = resolve_bench(scene, given);
   check_bench_files(options);
   const std::vector<RenderOptions> pictures = pictures_of(options.picture);
-  // A framed camera stays where the whole sequence's first frame has it.
+  // A framed camera stays where it is in the sequence's first frame.
   Session session(pictures.front());
   std::vector<RenderRun> runs;
   for (const RenderOptions& picture : pictures) runs.push_back(draw_timed(session, picture, options.writes_picture));

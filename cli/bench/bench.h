@@ -1,4 +1,4 @@
-// `sideray bench`: draws a picture, or each of a sequence, as `render` would and times it. Main thread.
+// `sideray bench`: draws a picture, or each of a sequence, as `render` does, and times it. Main thread.
 #pragma once
 
 #include "cli/options/options.h"

@@ -30,7 +30,7 @@ std::string entry_name(const ChartOptions& options, size_t index) {
   return fmt::format("{} entry {}", options.sweep, index);
 }
 
-// One configuration of the sweep, through to its row of the results.
+// Holds a configuration of the sweep, and its row of the results.
 struct Point {
   size_t index;
   lab::Configuration configuration;
@@ -53,15 +53,15 @@ class Chart {
   void measure_round(Point& point);
   void wake(const Point& point);
   void measure(std::vector<Point>& points);
-  // All points' rows, where every one is measured.
+  // Returns the rows of all points if every one is measured.
   std::optional<std::vector<ChartRow>> gather(const std::vector<Point>& points) const;
   int measure_and_write(std::vector<Point>& points);
 
   ChartOptions options_;
   ChartFolder folder_;
-  std::vector<std::string> notes_;  // about the list, printed where all is well
+  std::vector<std::string> notes_;  // about the list, printed if the chart succeeds
   std::optional<Session> session_;
-  std::optional<ChartSequence> sequence_;  // where the chart is of one
+  std::optional<ChartSequence> sequence_;  // only in a chart of a sequence
   lab::ChartReference reference_;
   std::optional<scenes::Image> reference_picture_;
 };
@@ -77,7 +77,7 @@ std::vector<Point> Chart::points(const std::vector<lab::Configuration>& sweep) c
   return points;
 }
 
-// The points of the list that fits the scene. What is given for the whole chart may make some of them the same.
+// Returns the points of the list that fits the scene, without those that options for the whole chart make equal.
 std::vector<Point> Chart::default_points() {
   const RenderOptions by_default = resolve_row(options_, {{"translucency", "hybrid"}}, "chart", folder_.row_output(0));
   const lab::DefaultSweep sweep = lab::default_sweep(*options_.built_in, sweep_scene(*session_, by_default));
@@ -85,7 +85,7 @@ std::vector<Point> Chart::default_points() {
   std::vector<Json> used;
   std::vector<lab::Configuration> distinct;
   for (const lab::Configuration& configuration : sweep.configurations) {
-    // The layers that were requested: what a plan makes of them depends on the objects that have any.
+    // Compares the requested numbers of layers, since a plan changes them by the objects that have layers.
     Json config = used_config(resolve_row(options_, configuration, "chart", folder_.row_output(0)), {});
     if (std::find(used.begin(), used.end(), config) != used.end()) continue;
     used.push_back(std::move(config));
@@ -118,7 +118,7 @@ void Chart::draw_reference(Progress& progress) {
   reference_picture_ = scenes::read_image(folder_.path(reference_.image));
 }
 
-// The error is that of the file, so that `sideray compare` gives it again.
+// Compares the written file, so that `sideray compare` gives the same error.
 void Chart::draw_picture(Point& point) {
   if (sequence_) {
     point.row.error = sequence_->draw(point.options, folder_.path(point.row.image));
@@ -145,7 +145,7 @@ void Chart::measure_round(Point& point) {
   --point.rounds_left;
 }
 
-// Comparing pictures leaves a GPU without work for seconds, and then it runs slower at first.
+// Draws for a while: comparing pictures leaves a GPU idle for seconds, after which it is slower at first.
 void Chart::wake(const Point& point) {
   constexpr std::chrono::milliseconds enough(300);
   const RenderOptions picture =
@@ -154,7 +154,7 @@ void Chart::wake(const Point& point) {
   while (std::chrono::steady_clock::now() - start < enough) (void)session_->draw(picture);
 }
 
-// Rounds rather than one configuration after the other: what drifts on the machine affects all of them alike.
+// Measures in rounds instead of one configuration after another, so that drift of the machine affects all alike.
 void Chart::measure(std::vector<Point>& points) {
   std::vector<Point*> unmeasured;
   size_t steps = sequence_ ? sequence_->reference_steps() : 1;
@@ -223,7 +223,7 @@ int Chart::measure_and_write(std::vector<Point>& points) {
 
 int Chart::run() {
   std::vector<Point> all;
-  // A file is checked before anything is loaded.
+  // Checks a file before anything is loaded.
   if (!options_.built_in) {
     all = points(read_configurations(options_.sweep, "entry"));
     if (all.empty()) wrong_usage("{}: holds no configuration; write [{{\"option\": value, ...}}, ...]", options_.sweep);

@@ -1,4 +1,4 @@
-// `sideray chart`: many configurations of one scene against one reference, speed and error. Main thread.
+// `sideray chart`: measures speed and error of many configurations of a scene against one reference. Main thread.
 #pragma once
 
 #include "cli/options/options.h"

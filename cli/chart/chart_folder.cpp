@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using lab::Json;
 
-// A built-in scene belongs to the program; a file may change under its name.
+// Identifies a scene: a built-in one by the program; a file by size and time too, since it may change.
 Json scene_stamp(const RenderOptions& options) {
   Json stamp = {{"program", program_build()}, {"scene", options.scene}, {"isa", options.isa}};
   std::error_code error;
@@ -43,7 +43,7 @@ std::optional<std::string> text_of_file(const std::string& path) {
   return std::string(bytes.begin(), bytes.end());
 }
 
-// A picture cut off by a full disk or a killed run is drawn again.
+// Returns whether the file holds a picture. One that a full disk or a killed run has cut off is drawn again.
 bool is_picture(const std::string& path) {
   try {
     return fs::is_regular_file(path) && scenes::read_image(path).width > 0;

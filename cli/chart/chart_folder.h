@@ -1,4 +1,4 @@
-// The files of a chart: where they are, what they depend on, and what an earlier run left. Main thread.
+// Manages the files of a chart: their places, what they depend on, and what an earlier run left. Main thread.
 #pragma once
 
 #include <optional>
@@ -11,30 +11,30 @@ namespace sideray::cli {
 
 class ChartFolder {
  public:
-  // `made_from`: of an earlier run whose files are meant, else the program and the scene's files are looked at.
+  // `made_from`: identifies the run whose files are meant; without it, this program and the scene's files.
   explicit ChartFolder(const ChartOptions& options, const std::optional<lab::Json>& made_from = {});
 
-  // Makes the folder. Throws Error where it cannot be written.
+  // Creates the folder. Throws Error where it cannot be written.
   void prepare() const;
-  // What a longer chart left.
+  // Removes rows of an earlier chart with more of them.
   void remove_rows_from(size_t row) const;
   std::string path(const std::string& name) const;
 
-  // These files hold what was measured of a row, and of the reference.
+  // Files with the measurements of a row, and of the reference.
   static std::string row_file(size_t row);
   static constexpr const char* reference_file = "rows/reference.json";
 
-  // Relative, as in results.json; of a sequence that of its last frame.
+  // Relative paths, as in results.json; for a sequence, of the last frame.
   static std::string image(size_t row);
   std::string reference_image() const;
-  // Where the frames of a sequence go, or the one picture.
+  // Return the file of a picture, or the pattern of a sequence's frames.
   std::string row_output(size_t row) const;
   std::string reference_output() const;
   static std::string motion_output();
 
-  // The program and the scene's files.
+  // Returns the identity of the program and of the scene's files.
   const lab::Json& made_from() const { return scene_; }
-  // Everything that a row's figures depend on.
+  // Returns everything that a row's figures depend on.
   lab::Json made_with(const RenderOptions& row) const;
 
   std::optional<lab::ChartRow> restore_row(size_t row, const lab::Json& made_with) const;

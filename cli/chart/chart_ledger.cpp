@@ -47,7 +47,7 @@ Json named_reasons(const std::vector<Unsplit>& list) {
   return json;
 }
 
-// Of an effect, and of a step of the chain: the picture that it needed, and how far that is from the reference.
+// Adds the picture that a term needed, and its error against the reference; terms are effects and steps of the chain.
 Json with_picture(Json term, const char* kind, const Shortcut& shortcut, const Json& error) {
   term["kind"] = kind;
   term["what"] = shortcut.what;
@@ -82,7 +82,7 @@ Json reference_json(const lab::ChartReference& reference) {
   Json json = {{"image", reference.image}, {"light_samples", reference.light_samples}};
   if (reference.bounces != 1) json["bounces"] = lab::bounces_json(reference.bounces);
   if (reference.bounces != 1) json["caustics"] = reference.caustics;
-  // The mean of two halves has a quarter of the variance of their difference.
+  // The variance of the mean of two halves is a quarter of that of their difference.
   if (reference.self_error) json["noise_relmse"] = *reference.self_error / 4;
   return json;
 }

@@ -1,5 +1,4 @@
-// `chart --ledger`: the error of the configuration given, split over the shortcuts it takes (docs/ledger.md). Main
-// thread.
+// `chart --ledger`: splits the error of the given configuration over its shortcuts (docs/ledger.md). Main thread.
 #pragma once
 
 #include "cli/chart/chart_folder.h"
@@ -7,17 +6,17 @@
 
 namespace sideray::cli {
 
-// Throws Error where what ledger() writes cannot be.
+// Throws Error where ledger() could not write its files.
 void prepare_ledger(const ChartFolder& folder);
-// What another chart's ledger() wrote.
+// Removes what ledger() wrote for an earlier chart.
 void remove_ledger(const ChartFolder& folder);
 
 // Draws the configuration without each of its shortcuts, and writes ledger.json, ledger.exr and the pictures. Returns
-// what the page shows: ledger.json with a map a term.
+// the content of the page: ledger.json with a map for each term.
 lab::Json ledger(const ChartOptions& options, const ChartFolder& folder, Session& session,
                  const lab::ChartReference& reference);
 
-// A table of what ledger() returns.
+// Prints what ledger() returns as a table.
 void print_ledger(const lab::Json& ledger);
 
 }  // namespace sideray::cli

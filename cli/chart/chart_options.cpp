@@ -17,12 +17,12 @@ bool contains(const Names& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// What light does at surfaces, for the reference where it is given for the whole chart. A row may say otherwise.
+// Returns whether an option says how light travels. Given for the whole chart, the reference takes it; rows may differ.
 bool is_transport(const std::string& name) {
   return name == "reflections" || name == "refraction" || name == "bounces";
 }
 
-// A chart names its own files and makes its own reference.
+// Returns whether an option has no place in a chart, which names its own files and makes its own reference.
 bool is_foreign(const std::string& name) {
   const OwnOption* own = find_own(name);
   return own ? !own->in_chart : name == "reference";
@@ -45,19 +45,19 @@ Table table() {
   return t;
 }
 
-// Pictures of other positions in the pixel differ by their edges. A sequence averages over time as many as --samples
-// has at once: there it is the reference's alone.
+// Returns whether only the reference takes an option. Pictures with other positions in the pixel differ at edges, so
+// `samples` is for all, except in a sequence, whose rows average as many positions over time.
 bool is_of_reference(const ChartOptions& options, const std::string& name) {
   return options.frames && name == "samples";
 }
 
-// What is drawn and on what is the same for the reference and every row, so that their pictures can be compared.
+// Returns whether the reference and all rows share an option, so that their pictures can be compared.
 bool is_common(const ChartOptions& options, const std::string& name) {
   const OwnOption* own = find_own(name);
   return (own && own->in_chart) || name == "size" || (name == "samples" && !options.frames);
 }
 
-// The options given for the whole chart that `keep` accepts.
+// Returns the options for the whole chart that `keep` accepts.
 template <typename Keep>
 Given chosen(const ChartOptions& options, const Keep& keep) {
   Given given;
@@ -70,7 +70,7 @@ bool is_render_option(const std::string& name) {
   return find(render_table(), name) != nullptr;
 }
 
-// The library's options by name, whether they contradict each other or not.
+// Returns the library's options by name, without checking contradictions.
 Options named_options(const Given& given, const std::string& name) {
   Options named = Options::create().value();
   for (const auto& [option, text] : given)
@@ -84,7 +84,7 @@ Options named_options(const Given& given, const std::string& name) {
   return named;
 }
 
-// Another seed, the same for the same one.
+// Returns another seed, the same one for equal seeds.
 std::string seed_beside(const std::string& seed) {
   constexpr uint32_t golden_ratio = 0x9e3779b9u;
   return std::to_string(whole_number("seed", seed, 0, UINT32_MAX) ^ golden_ratio);
@@ -102,7 +102,7 @@ RenderOptions resolved(const ChartOptions& options, Given given, const std::stri
   return resolve_render(options.scene, given);
 }
 
-// --shard and --warm-up are of another kind here, or of none.
+// Reads the frames without --shard and --warm-up: the former has another meaning here, the latter none.
 void set_frames(const Given& given, ChartOptions& options) {
   Given range;
   for (const char* name : {"frames", "fps", "time"})
@@ -146,7 +146,7 @@ ChartOptions resolve_chart(const std::string& scene, const Given& given) {
   options.resume = given.contains("resume");
   options.ledger = given.contains("ledger");
   if (given.contains("shard")) options.shard = parse_shard(given.at("shard"));
-  if (options.shard.is_recorded()) options.resume = true;  // tasks are started again
+  if (options.shard.is_recorded()) options.resume = true;  // tasks may be restarted
   if (options.ledger && options.shard.is_recorded())
     wrong_usage("--ledger: is the work of one machine; give it with --resume and without --shard once all rows are there");
   if (options.frames && options.ledger)
@@ -171,17 +171,16 @@ RenderOptions resolve_row(const ChartOptions& options, const lab::Configuration&
   given.merge(chosen(options, [&](const std::string& option) {
     return is_render_option(option) && !is_foreign(option) && !is_of_reference(options, option);
   }));
-  // A reference of one bounce has no ambient occlusion, and opaque surfaces reflect the surroundings alone in it: what is
-  // chosen to come nearer to light that bounces would count as an error.
+  // A reference of one bounce has no ambient occlusion, and its opaque surfaces reflect only the environment: options
+  // that approximate bounced light would count as an error.
   const bool bounces = options.given.contains("bounces") && options.given.at("bounces") != "1";
   for (const char* option : {"ambient", "reflections"})
     if (!bounces && (!given.contains(option) || given.at(option) == "auto")) given[option] = "off";
-  // Given for the whole chart they are the reference's, or of other rows: one has a use for them only where it reads
-  // them itself.
+  // These options may be meant for the reference or other rows: keeps them only in rows that read them.
   const Options named = named_options(given, name);
   for (const char* option : {"light-samples", "bounces", "caustics", "check"})
     if (!named.reads(option) && !configuration.contains(option)) given.erase(option);
-  // The reference's own random numbers would hide its noise: an exact row would score 0 by them.
+  // With the reference's random numbers, an exact row would have its noise too, and an error of 0.
   const bool is_exact = named["translucency"] == "reference";
   if (is_exact && !configuration.contains("seed")) given["seed"] = seed_beside(named["seed"]);
   try {
@@ -197,7 +196,7 @@ RenderOptions resolve_reference(const ChartOptions& options, const std::string& 
            option == "light-samples" || option == "seed";
   });
   given["reference"] = "true";
-  // The positions that anti-aliasing in time goes through.
+  // As many positions as temporal anti-aliasing goes through.
   if (options.frames) given.emplace("samples", std::to_string(lab::SettleMeter::period));
   return resolved(options, std::move(given), image);
 }

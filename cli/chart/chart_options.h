@@ -1,4 +1,4 @@
-// What `sideray chart` was asked for, and what of it each of its pictures takes. Any thread.
+// Resolves the options of `sideray chart`, and those of each of its pictures. Any thread.
 #pragma once
 
 #include "cli/options/render_options.h"
@@ -9,27 +9,27 @@ namespace sideray::cli {
 struct ChartOptions {
   Given given;
   std::string scene, folder;
-  std::string sweep;                   // as it was given
-  std::optional<lab::Sweep> built_in;  // else it is a file
-  std::optional<FrameRange> frames;    // of a sequence
+  std::string sweep;                   // as given
+  std::optional<lab::Sweep> built_in;  // empty: it is a file
+  std::optional<FrameRange> frames;    // only of a sequence
   uint32_t repeats = 5;
   TaskShard shard;
   bool resume = false;
-  bool ledger = false;  // also splits the error of the configuration given
+  bool ledger = false;  // also splits the error of the given configuration
   std::string metric;
 };
 
-// The options of `render` that apply, and chart's own.
+// The options of `render` that apply, and the chart's own.
 const Table& chart_table();
 
 // Throws UsageError.
 ChartOptions resolve_chart(const std::string& scene, const Given& given);
 
-// `name` stands before what is wrong with the configuration. `image`: where its picture goes. Throws UsageError.
+// `name` precedes errors about the configuration. `image`: the file of its picture. Throws UsageError.
 RenderOptions resolve_row(const ChartOptions& options, const lab::Configuration& configuration, const std::string& name,
                           const std::string& image);
 RenderOptions resolve_reference(const ChartOptions& options, const std::string& image);
-// What shows how everything moves from frame to frame, and nothing else.
+// Returns options that draw only motion, from frame to frame.
 RenderOptions resolve_motion(const ChartOptions& options, const std::string& image);
 
 }  // namespace sideray::cli

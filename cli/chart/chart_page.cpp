@@ -30,7 +30,7 @@ std::string quoted(const std::string& text) {
   return result;
 }
 
-// As it is typed into a shell.
+// Returns the command as it is typed into a shell.
 std::string command_line(const std::string& command, const std::string& scene, const Table& table,
                          const Given& given) {
   std::string line = "sideray " + command + " " + quoted(scene), diagnostics;
@@ -49,7 +49,7 @@ std::string command_line(const std::string& command, const std::string& scene, c
   return line + diagnostics;
 }
 
-// Of the run that writes the page; what each row was drawn on is in the row.
+// Describes the machine that writes the page; each row says where it was drawn.
 Json machine() {
   Json json = Json::object();
   std::ifstream file("/proc/cpuinfo");

@@ -1,4 +1,4 @@
-// index.html of a chart: the results, the pictures, the machine and the commands in one file. Main thread.
+// Makes index.html of a chart: results, pictures, machine and commands in one file. Main thread.
 #pragma once
 
 #include "cli/chart/chart_folder.h"
@@ -10,7 +10,7 @@ struct PagePoint {
   const RenderOptions* options;
 };
 
-// `points`: one a row of `results`, whose pictures are read from the folder. `ledger`: null without one.
+// `points`: one for each row of `results`; reads their pictures from the folder. `ledger`: null without one.
 std::string chart_page(const ChartOptions& options, const ChartFolder& folder, const std::vector<PagePoint>& points,
                        const lab::Json& results, const lab::Json& ledger);
 

@@ -15,7 +15,7 @@ namespace {
 using lab::ChartRow;
 using lab::Json;
 
-// Two halves differ by four times the variance of their mean (docs/cli.md, chart).
+// Prints the noise: two halves differ by four times the variance of their mean (docs/cli.md, chart).
 void print_noise(const Json& results) {
   const Json& reference = results["reference"];
   fmt::print("reference: {} light samples", reference["light_samples"].get<uint32_t>());

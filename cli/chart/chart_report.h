@@ -1,4 +1,4 @@
-// Writes and prints a chart once all of it is measured. Main thread.
+// Writes and prints a chart whose rows are all measured. Main thread.
 #pragma once
 
 #include <span>
@@ -7,8 +7,8 @@
 
 namespace sideray::cli {
 
-// Writes results.json, results.csv and the page, and prints the table: `shown` and `rows` are the chart's points, `ledger`
-// null without one. Returns the exit code: failed where a pixel is not finite. Throws Error.
+// Writes results.json, results.csv and the page, and prints the table: `shown` and `rows` are the chart's points,
+// `ledger` null without one. Returns the exit code: failed if a pixel is not finite. Throws Error.
 int write_chart(const ChartOptions& options, const ChartFolder& folder, const lab::ChartReference& reference,
                 const std::vector<PagePoint>& shown, std::span<const lab::ChartRow> rows, const lab::Json& ledger);
 

@@ -10,13 +10,13 @@
 namespace sideray::cli {
 namespace {
 
-// Whose program a row's file names; "" where there is no such file.
+// Returns the program that a row's file names; "" where there is no such file.
 std::string program_of(const std::string& file) {
   try {
     constexpr uint64_t most_bytes = uint64_t{16} << 20;
     return Json::parse(scenes::read_file(file, most_bytes)).at("made_with").at("made_from").at("program");
   } catch (const std::bad_alloc&) {
-    throw;  // says nothing about the file
+    throw;  // out of memory says nothing about the file
   } catch (const std::exception&) {
     return "";
   }
@@ -36,7 +36,7 @@ class RecordedChart {
   const ChartOptions& options() const { return options_; }
   size_t size() const { return rows_.size(); }
 
-  // Returns the folder as a program left it.
+  // Returns the folder, for files that `program` made.
   ChartFolder folder(const std::string& program) const {
     Json made_from = {{"program", program}};
     made_from.update(run_.work.at("made_from"));
@@ -60,7 +60,7 @@ class RecordedChart {
     return part;
   }
 
-  // Every task needs it, and draws it where it finds none.
+  // Returns the reference's part. Every task needs the reference, and draws it if it is missing.
   RunPart reference_part() const {
     RunPart part{"reference", 0, images_.path(ChartFolder::reference_file), "", ""};
     const std::string program = program_of(part.file);
@@ -83,7 +83,7 @@ class RecordedChart {
 
   const RunRecord& run_;
   ChartOptions options_;
-  ChartFolder images_;  // where files are, whoever made them
+  ChartFolder images_;  // names files, whichever program made them
   std::vector<lab::Configuration> configurations_;
   std::vector<RenderOptions> rows_;
 };
@@ -96,7 +96,7 @@ RunRecord chart_run(const ChartOptions& options, const ChartFolder& folder,
   run.work["options"] = Json::object();
   for (const auto& [name, text] : options.given)
     if (name != "o" && name != "shard" && name != "resume") run.work["options"][name] = text;
-  // Whether programs are one is looked at when rows are gathered.
+  // Leaves the program out: rows of different programs are found when they are gathered.
   run.work["made_from"] = folder.made_from();
   run.work["made_from"].erase("program");
   run.work["points"] = Json::array();
@@ -111,7 +111,7 @@ std::vector<RunPart> chart_parts(const RunRecord& run) {
   return parts;
 }
 
-// Returns what was whole when the run was surveyed, and is read again. Throws Error where it is gone since.
+// Returns a part that was complete when the run was surveyed. Throws Error where it is gone since.
 template <typename T>
 T read_again(std::optional<T> found, const RunRecord& run, const std::string& what) {
   if (!found)

@@ -1,5 +1,5 @@
-// A chart whose rows many tasks measure: what is recorded of it, which rows are there, and the page that is made of
-// them without the scene or OpenGL. Main thread.
+// Supports a chart whose rows many tasks measure: its record, which rows exist, and its page, without the scene or
+// OpenGL. Main thread.
 #pragma once
 
 #include <span>
@@ -12,10 +12,10 @@ namespace sideray::cli {
 RunRecord chart_run(const ChartOptions& options, const ChartFolder& folder,
                     std::span<const lab::Configuration> configurations);
 
-// The rows, and the reference.
+// Returns the rows and the reference.
 std::vector<RunPart> chart_parts(const RunRecord& run);
 
-// Writes results and page of a run that is whole and of one program; returns the exit code. Throws Error.
+// Writes results and page of a run that is complete and of one program; returns the exit code. Throws Error.
 int gather_chart(const RunRecord& run, const std::string& program);
 
 }  // namespace sideray::cli

@@ -26,7 +26,7 @@ Session::Drawn ChartSequence::draw_frame(const RenderOptions& frame) {
   return session_.draw(frame);
 }
 
-// Each follows the one before: all of them or none.
+// Draws motion for all frames, or keeps it for all, since each frame depends on the one before.
 void ChartSequence::draw_motion(bool keeps) {
   const RenderOptions sequence = resolve_motion(options_, motion_pattern_);
   const auto is_there = [&](uint32_t frame) {
@@ -47,7 +47,7 @@ lab::ChartReference ChartSequence::draw_reference(Progress& progress) {
   std::optional<lab::ChartReference> kept;
   if (options_.resume || options_.shard.count > 1) kept = folder_.restore_reference();
   lab::ChartReference reference = kept.value_or(lab::ChartReference{folder_.reference_image(), 0, {}});
-  // From here on what is in the folder is of this chart.
+  // From here on the files in the folder belong to this chart.
   if (!kept) folder_.save_reference(reference);
   progress.next("motion");
   draw_motion(kept.has_value());
@@ -71,7 +71,7 @@ lab::ChartReference ChartSequence::draw_reference(Progress& progress) {
   return reference;
 }
 
-// The error is that of the files, so that `sideray render --frames` and `compare` give it again.
+// Compares the written files, so that `sideray render --frames` and `compare` give the same error.
 Json ChartSequence::draw(const RenderOptions& sequence, const std::string& picture) {
   lab::SequenceError error(frames_.count(), sequence.display);
   for (uint32_t frame = frames_.first; frame <= frames_.last; ++frame) {

@@ -1,4 +1,4 @@
-// A chart over a sequence: the reference and the motion of every frame, and what a configuration makes of them.
+// Charts a sequence: draws the reference and the motion of every frame, and measures configurations over all frames.
 // Main thread.
 #pragma once
 
@@ -10,16 +10,16 @@ namespace sideray::cli {
 
 class ChartSequence {
  public:
-  // The session stands as the first frame does.
+  // The session must be at the first frame.
   ChartSequence(const ChartOptions& options, const ChartFolder& folder, Session& session);
 
   size_t reference_steps() const { return frames_.count() + 1; }
   // Draws the frames that no earlier run left.
   lab::ChartReference draw_reference(Progress& progress);
 
-  // The error of all frames; `picture` is left with the last one.
+  // Returns the error over all frames; leaves the last frame in `picture`.
   lab::Json draw(const RenderOptions& sequence, const std::string& picture);
-  // The stats of every frame, timed once.
+  // Returns the stats of every frame, timed once.
   std::vector<lab::Json> measure(const RenderOptions& sequence);
 
  private:

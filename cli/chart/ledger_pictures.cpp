@@ -12,7 +12,7 @@ using scenes::Plane;
 
 constexpr float largest_half = 65504.0f;
 
-// Adds R, G, B and A of the picture to the sums; none yet: they begin with it.
+// Adds R, G, B and A of a picture to the sums, which start as a copy of the first.
 void add_colour(const Picture& picture, std::vector<Plane>& sums) {
   const size_t pixels = size_t{picture.width()} * picture.height();
   const bool is_first = sums.empty();
@@ -99,13 +99,13 @@ Image LedgerPictures::write(const std::string& name, const std::vector<Plane>& c
 Image LedgerPictures::draw(const Shortcut& other) {
   RenderOptions options = is_reference(other) ? reference_options(other) : resolve(other.off, other.name);
   const uint32_t pictures = other.is_random ? random_pictures : 1;
-  // Together they are as many samples as one reference.
+  // All of them together have as many samples as one reference.
   const uint32_t light_samples = options.named.render().translucency->light_samples;
   if (pictures > 1) options.named.set("light-samples", std::to_string(std::max(light_samples / pictures, 1u)));
   options.diagnostics.exact_points = other.is_exact;
   std::vector<Plane> sums;
   for (uint32_t i = 0; i < pictures; ++i) {
-    constexpr uint32_t apart = 1000003;  // from the seeds of the picture and of the reference
+    constexpr uint32_t apart = 1000003;  // far from the seeds of the picture and of the reference
     if (pictures > 1) options.seed_offset = apart * (i + 1);
     add_colour(session_.draw(options).picture, sums);
   }
@@ -114,7 +114,7 @@ Image LedgerPictures::draw(const Shortcut& other) {
 
 RenderOptions LedgerPictures::reference_options() const {
   Given given = resolve_reference(options_, folder_.path(file_of("reference"))).given;
-  // What light does at surfaces is the reference's where the picture has it, and so are shadows that are off.
+  // The reference has the picture's light transport where it can, and no shadows if the picture has none.
   const bool mirrors = base_.named.applies("reflections") && session_.plan(base_).run.reflections.value_or(false);
   if (mirrors) given["reflections"] = "on";
   if (base_.named.applies("refraction")) given["refraction"] = base_.named["refraction"];

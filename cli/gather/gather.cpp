@@ -36,7 +36,7 @@ void print_mixture(const Survey& run) {
                           fmt::join(made, ", "), what_to_do(run)));
 }
 
-// Another driver rounds otherwise: that is no mistake, but to be known.
+// Warns of several drivers: they round differently, which is no error, but should be known.
 void warn_of_devices(const Survey& run) {
   std::set<std::string> devices;
   for (const RunPart& part : run.parts)
@@ -54,8 +54,7 @@ void remove_unfinished(const fs::path& folder, const std::function<bool(const st
   }
 }
 
-// Removes what killed tasks were writing. Nothing of the run is written any more, but files of others may stand beside
-// its own.
+// Removes what killed tasks were writing. The run has ended, but files of others may be beside its own.
 void remove_unfinished(const Survey& run) {
   const fs::path folder(run.run.folder);
   std::set<fs::path> folders{folder};
@@ -72,8 +71,8 @@ void remove_unfinished(const Survey& run) {
       remove_unfinished(folder / own, [](const std::string&) { return true; });
 }
 
-// Writes what is made of all parts. Tasks have said what is wrong with the rows that they measured; the set is no less
-// whole for it.
+// Writes what is made of all parts. Tasks have reported faults in the rows that they measured; these do not make the
+// set incomplete.
 void write_whole(const Survey& run) {
   if (run.run.command == "render") gather_stats(run.run);
   if (run.run.command == "chart") (void)gather_chart(run.run, run.programs().begin()->first);

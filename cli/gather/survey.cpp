@@ -16,7 +16,7 @@ std::vector<RunPart> parts_of(const RunRecord& run, bool reads_all) {
   return run.command == "chart" ? chart_parts(run) : stress_parts(run);
 }
 
-// The texts of "3", "5-7" of ascending numbers.
+// Returns "3", "5-7" for ascending numbers.
 std::vector<std::string> ranges(const std::vector<uint32_t>& numbers) {
   std::vector<std::string> texts;
   for (size_t i = 0; i < numbers.size();) {

@@ -24,7 +24,7 @@ LastCheck checked(const GoldenFolder& folder, const Manifest& manifest) {
   return check;
 }
 
-// Takes the pictures of these names out of the check.
+// Removes the pictures of these names from the check and returns them.
 std::vector<CheckedPicture> chosen(LastCheck& check, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     const auto is_named = [&](const CheckedPicture& picture) { return picture.drawn.name == name; };
@@ -91,7 +91,7 @@ int golden_approve(const std::string& folder_name, const std::vector<std::string
   const std::string text = text_of(manifest);
   write_text(stage.file("manifest.json"), text);
   stage.take_others({});
-  // What is left of the check is about the new manifest.
+  // The rest of the check refers to the new manifest.
   check.manifest = digest_of(text);
   stage.publish();
   write_text(folder.last_check(), text_of(check));

@@ -38,14 +38,14 @@ CheckOptions resolve_check(const std::string& folder, const Given& given) {
   return options;
 }
 
-// A folder of this name that is the user's own is left alone.
+// Refuses a folder of this name that holds no check, since it is the user's own.
 void require_own_check(const GoldenFolder& folder) {
   std::error_code ignored;
   if (fs::exists(folder.check(), ignored) && !fs::exists(folder.last_check(), ignored))
     scenes::refuse("{}: is not of a check, whose pictures go there; move it away", folder.check());
 }
 
-// The jobs as they were recorded, which are those of the file: what was added to it since would not be checked.
+// Returns the recorded jobs. Throws Error where the file has changed: jobs added since would not be checked.
 std::vector<GoldenJob> recorded_jobs(const GoldenFolder& folder, const Manifest& manifest) {
   const std::string path = (fs::path(folder.folder) / manifest.jobs_file).lexically_normal().string();
   if (read_configurations(path, "job") != manifest.jobs)
@@ -53,7 +53,7 @@ std::vector<GoldenJob> recorded_jobs(const GoldenFolder& folder, const Manifest&
   return golden_jobs(manifest.jobs, path, manifest.options);
 }
 
-// Every picture of the jobs has an entry of its name, in the same order; a manifest that was merged by hand may not.
+// Throws Error unless every picture of the jobs has an entry, in the same order; a manifest merged by hand may not.
 void require_entries(const GoldenFolder& folder, const Manifest& manifest, const std::vector<GoldenJob>& jobs) {
   size_t at = 0;
   bool is_whole = true;
@@ -67,7 +67,7 @@ void require_entries(const GoldenFolder& folder, const Manifest& manifest, const
     scenes::refuse("{}: its pictures are not those of its jobs; restore it, or record again", folder.manifest());
 }
 
-// Before the first picture is drawn, which may take long.
+// Throws Error where a reference is missing or damaged, before any drawing, which may take long.
 void require_references(const GoldenFolder& folder, const Manifest& manifest) {
   for (const GoldenPicture& picture : manifest.pictures) {
     (void)recorded_picture(folder.references(), picture);

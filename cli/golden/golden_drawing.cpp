@@ -20,7 +20,7 @@
 namespace sideray::cli {
 namespace {
 
-// Instructions for reciprocals differ between makers of processors, and software OpenGL uses them.
+// Returns the processor's vendor: software OpenGL uses instructions for reciprocals, which differ between vendors.
 std::string processor_maker() {
   std::ifstream file("/proc/cpuinfo");
   for (std::string line; std::getline(file, line);)
@@ -39,13 +39,13 @@ std::string driver_of(const sideray_device_info& device) {
 std::string camera_digest(const sideray_camera& camera) {
   std::string text = fmt::format("{} {} {} {} {} {}", fmt::join(camera.world_from_camera, " "), camera.orthographic,
                                  camera.yfov, camera.half_height, camera.z_near, camera.z_far);
-  // Not of square pixels around the middle, so that references keep the digest that they were recorded with.
+  // Added only for other values than the default, so that older references keep their digests.
   if ((camera.fx_per_fy != 0.0f && camera.fx_per_fy != 1.0f) || camera.shift_x != 0.0f || camera.shift_y != 0.0f)
     text += fmt::format(" {} {} {}", camera.fx_per_fy, camera.shift_x, camera.shift_y);
   return digest_of(text);
 }
 
-// A node without a name is called by what it shows.
+// Names an object; without a name of its own, by its mesh or material.
 std::string name_of(const SceneObject& object, const scenes::Content& content) {
   if (!object.name.empty()) return object.name;
   const scenes::Object& first = content.objects[object.surfaces.front() - 1];
@@ -54,7 +54,7 @@ std::string name_of(const SceneObject& object, const scenes::Content& content) {
   return fmt::format("surface {}", object.surfaces.front());
 }
 
-// The objects of a scene, for all pictures of it.
+// Holds the objects of a scene, for all its pictures.
 struct Names {
   std::vector<lab::NamedObject> objects;
   std::map<std::string, uint32_t> counts;
@@ -69,7 +69,7 @@ struct Names {
 };
 
 std::string place_of(const lab::NamedObject& object, const scenes::Content& content) {
-  const scenes::Object& first = content.objects[object.surfaces.front() - 1];  // its others stand there too
+  const scenes::Object& first = content.objects[object.surfaces.front() - 1];  // all primitives have the same transform
   return digest_of(fmt::format("{}", fmt::join(first.world_from_object, " ")));
 }
 
@@ -86,7 +86,7 @@ std::vector<lab::NamedObject> shown(const Names& names, const scenes::Image& ids
   return result;
 }
 
-// Distances only have to say which of two surfaces is in front: half floats will do.
+// Returns ids and distances. Half floats suffice, as distances only decide which of two surfaces is in front.
 scenes::Image ids_of(const Picture& picture) {
   scenes::Image image{picture.width(), picture.height(), {}, true};
   const size_t pixels = size_t{image.width} * image.height;
@@ -124,7 +124,7 @@ struct Drawing {
     const Session::Drawn drawn = session.draw(options);
     write_picture(drawn.picture, drawn.light_names, options);
     scenes::write_exr(ids_file, ids_of(drawn.picture));
-    // What is compared is what files hold: half floats, or 8 bits.
+    // Compares what the files hold: half floats, or 8 bits.
     DrawnPicture result{std::move(golden), scenes::read_image(options.output), scenes::read_image(ids_file),
                         image_of(drawn.picture, drawn.light_names, options), names.counts, options.display, 0};
     result.golden.digest = digest_of(result.picture);
@@ -136,7 +136,7 @@ struct Drawing {
     take(std::move(result));
   }
 
-  // A framed camera stays where the first frame has it, and what is averaged over time follows its frames.
+  // Draws all frames of a job. A framed camera stays where it is in the first; averages need the frames before.
   void draw_job(const RenderOptions& options, const std::vector<GoldenPicture>& pictures) {
     if (!options.frames) {
       Session session(options);

@@ -37,7 +37,7 @@ scenes::Image recorded_image(const std::string& where, const std::string& file, 
   return image;
 }
 
-// Systems and disks that cannot exchange two folders at once get two renames.
+// Returns whether to fall back to two renames, where the system or disk cannot exchange two folders at once.
 bool cannot_exchange(int code) {
   return code == EINVAL || code == ENOSYS || code == ENOTSUP || code == EXDEV;
 }
@@ -77,7 +77,7 @@ StagedFolder::StagedFolder(const std::string& target) : target_(target), path_(t
   if (fs::exists(status) && !fs::is_directory(status))
     scenes::refuse("{}: is no folder; move it away", target);
   if (!mkdtemp(path_.data())) cannot_make(target, errno);
-  // mkdtemp makes private folders; this one gets the permissions any new folder would.
+  // mkdtemp makes private folders; this one gets the permissions of any new folder.
   const mode_t mask = ::umask(0);
   ::umask(mask);
   ::chmod(path_.c_str(), static_cast<mode_t>(0777) & ~mask);
@@ -94,7 +94,7 @@ std::string StagedFolder::file(const std::string& name) const {
   return path.string();
 }
 
-// A link takes no space and no time; a file in the folders of references is never written to, only replaced.
+// Links, which takes no space and no time: files in the folders of references are replaced, never written to.
 void StagedFolder::take(const std::string& from, const std::string& name) const {
   const std::string to = file(name);
   if (::link(from.c_str(), to.c_str()) == 0) return;
@@ -128,7 +128,7 @@ void StagedFolder::publish() const {
                      std::strerror(code), old);
     cannot_make(target_, code);
   }
-  (void)::rename(old.c_str(), path_.c_str());  // where it is removed
+  (void)::rename(old.c_str(), path_.c_str());  // the destructor removes it there
 }
 
 }  // namespace sideray::cli

@@ -1,4 +1,4 @@
-// The folder of golden pictures: what is where in it, and new content that takes its place whole. Main thread.
+// Manages the folder of golden pictures: what is where, and replacing its content as a whole. Main thread.
 #pragma once
 
 #include <set>
@@ -8,7 +8,7 @@
 
 namespace sideray::cli {
 
-// DIR/references holds the pictures and manifest.json, DIR/check those of the last check that differed, and check.json.
+// DIR/references holds the pictures and manifest.json; DIR/check those of the last check that differed, and check.json.
 struct GoldenFolder {
   std::string folder;
 
@@ -21,16 +21,16 @@ struct GoldenFolder {
 // Throws Error where the folder holds no references.
 Manifest recorded(const GoldenFolder& folder);
 
-// The picture, or the ids, of an entry in the folder `where`. Throws Error where the file is missing or is not what was
-// recorded.
+// Return an entry's picture or ids in the folder `where`. Throw Error where the file is missing or differs from what
+// was recorded.
 scenes::Image recorded_picture(const std::string& where, const GoldenPicture& entry);
 scenes::Image recorded_ids(const std::string& where, const GoldenPicture& entry);
 
-// The files of the folder of references that are the program's.
+// Returns the program's own files in the folder of references.
 std::set<std::string> files_of(const Manifest& manifest);
 
-// A folder beside `target` with a name that no other process has. It is removed, or takes the target's place as a
-// whole; then the old one is removed.
+// Creates a folder beside `target` with a name that no other process has. It is removed at the end, or replaces the
+// target as a whole; the old target is then removed.
 class StagedFolder {
  public:
   explicit StagedFolder(const std::string& target);  // throws Error
@@ -39,13 +39,13 @@ class StagedFolder {
   StagedFolder& operator=(const StagedFolder&) = delete;
 
   const std::string& path() const { return path_; }
-  // Where a file of that name goes; makes the folders above it. Throws Error.
+  // Returns the path for a file of that name, and creates the folders above it. Throws Error.
   std::string file(const std::string& name) const;
-  // Takes over a file from elsewhere. Throws Error.
+  // Copies or links a file from elsewhere. Throws Error.
   void take(const std::string& from, const std::string& name) const;
-  // Takes over what the target has and `own` does not name: files of the user. Throws Error.
+  // Takes the target's files that `own` does not name, which are the user's. Throws Error.
   void take_others(const std::set<std::string>& own) const;
-  // Throws Error, and the target is then the old one.
+  // Replaces the target. Throws Error, in which case the target stays the old one.
   void publish() const;
 
  private:

@@ -41,7 +41,7 @@ GoldenPicture picture_named(const std::string& file, const RenderOptions& option
   return picture;
 }
 
-// "a.png" and "a.exr" would both be "a"; "a.ids.exr" is what belongs to "a".
+// "a.png" and "a.exr" would both be "a"; "a.ids.exr" belongs to "a".
 void require_files_apart(const std::vector<GoldenJob>& jobs) {
   std::map<std::string, const GoldenJob*> writers;
   for (const GoldenJob& job : jobs)

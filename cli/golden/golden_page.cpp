@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Of each picture that differs: reference, picture, map.
+// For each picture that differs: reference, picture, map.
 constexpr size_t pictures_each = 3;
 
 Json json_of(const Verdict& verdict, size_t differing, const std::string& drawn, const std::string& references) {

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A folder with other content is not taken for references.
+// Returns the earlier manifest, if any. Throws Error for a folder with other content.
 std::optional<Manifest> former(const GoldenFolder& folder) {
   std::error_code ignored;
   if (fs::exists(folder.manifest(), ignored)) return read_manifest(folder.manifest());
@@ -35,7 +35,7 @@ const GoldenPicture* entry_named(const std::optional<Manifest>& manifest, const 
   return nullptr;
 }
 
-// Where the picture is the former one, other drivers may still differ from it as far as was approved.
+// Compares with the earlier reference. If the picture is the same, the bounds approved for other drivers stay.
 const char* compare_with(const GoldenPicture* before, GoldenPicture& picture) {
   if (!before) return "recorded";
   if (before->digest != picture.digest) return "recorded; differs from the reference before";

@@ -11,7 +11,7 @@ std::string share_text(double share) {
   return fmt::format("{:.3g} %", 100 * share);
 }
 
-// Of another driver: bits differ anyway, objects do not.
+// Returns whether a picture of another driver is within its bound: bits may differ, objects may not.
 bool is_within_drift(const Verdict& verdict) {
   const auto bound = verdict.reference.drifts.find(verdict.drawn.driver);
   if (bound == verdict.reference.drifts.end() || !verdict.differences.has_same_ids || !verdict.differences.flip)
@@ -60,7 +60,7 @@ Verdict verdict_on(DrawnPicture&& drawn, const GoldenPicture& recorded, const sc
         {drawn.picture, drawn.ids, verdict.drawn.objects}, {reference, ids, recorded.objects},
         {drawn.objects, verdict.drawn.camera == recorded.camera, &drawn.radiance}, drawn.display);
   verdict.holds = verdict.differences.is_equal || is_within_drift(verdict);
-  verdict.differences.flip_map = {};  // of every picture it would be much memory
+  verdict.differences.flip_map = {};  // the maps of all pictures would take much memory
   verdict.text = text_on(verdict);
   return verdict;
 }

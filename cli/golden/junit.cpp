@@ -7,13 +7,13 @@
 namespace sideray::cli {
 namespace {
 
-// Broken UTF-8 becomes U+FFFD, as nlohmann's writer does it.
+// Replaces broken UTF-8 by U+FFFD, as nlohmann's writer does.
 std::string valid_utf8(const std::string& text) {
   const nlohmann::json safe = text;
   return nlohmann::json::parse(safe.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
-// XML has no way to write other control characters.
+// Escapes text; other control characters become spaces, as XML cannot express them.
 std::string escaped(const std::string& text) {
   std::string safe;
   for (const char c : valid_utf8(text)) {

@@ -1,4 +1,4 @@
-// Results as JUnit writes them, for CI that shows tests. Any thread.
+// Writes results in JUnit's format, for CI that shows tests. Any thread.
 #pragma once
 
 #include <string>

@@ -58,17 +58,17 @@ GoldenPicture picture_of(const Json& json) {
   return picture;
 }
 
-// A picture a line, so that a change of one is a change of one line.
+// Writes each picture on a line, so that a change of one is a change of one line.
 std::string text_with_list(const Json& head, const char* list, const std::vector<Json>& entries) {
   std::string text = head.dump(1, ' ', false, Json::error_handler_t::replace);
-  text.resize(text.size() - 2);  // its last brace
+  text.resize(text.size() - 2);  // drops the last brace
   text += fmt::format(",\n \"{}\": [", list);
   for (size_t i = 0; i < entries.size(); ++i)
     text += (i == 0 ? "\n  " : ",\n  ") + entries[i].dump(-1, ' ', false, Json::error_handler_t::replace);
   return text + "\n ]\n}\n";
 }
 
-// Reads a file by `read`; whatever is not as it should be makes one line that names it.
+// Reads a file by `read`; any fault makes one line that names the file.
 template <typename Read>
 auto read_json(const std::string& path, const char* what, const Read& read) {
   const std::vector<uint8_t> bytes = scenes::read_file(path, most_bytes);

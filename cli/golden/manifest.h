@@ -1,5 +1,5 @@
-// What is recorded of references: manifest.json beside them, and check.json beside the pictures of the last check. Any
-// thread.
+// Defines the records of references: manifest.json beside them, and check.json beside the pictures of the last check.
+// Any thread.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,10 @@
 
 namespace sideray::cli {
 
-// How far the pictures of another driver may be from a reference.
+// Bounds the difference of another driver's pictures from a reference.
 struct Drift {
   double flip = 0;   // mean
-  double share = 0;  // of pixels that differ in any bit, 0..1
+  double share = 0;  // share of pixels that differ in any bit, 0..1
 };
 
 struct GoldenPicture {
@@ -26,20 +26,20 @@ struct GoldenPicture {
   uint32_t width = 0, height = 0;
   std::string digest, ids_digest;  // of sizes, channels and values
   std::string driver;
-  std::string camera;                     // a digest
-  std::vector<lab::NamedObject> objects;  // that pixels show
+  std::string camera;                     // digest
+  std::vector<lab::NamedObject> objects;  // objects visible in pixels
   std::map<std::string, Drift> drifts;    // by driver
 };
 
 struct Manifest {
-  std::string version;    // of the program
-  std::string jobs_file;  // from the folder that the references are recorded in
-  Given options;          // for every job that does not say otherwise
+  std::string version;    // the program's version
+  std::string jobs_file;  // relative to the folder of the references
+  Given options;          // for every job that does not set them
   std::vector<lab::Configuration> jobs;
   std::vector<GoldenPicture> pictures;
 };
 
-// A picture that differed, as it was drawn.
+// Holds a picture that differed, as it was drawn.
 struct CheckedPicture {
   GoldenPicture drawn;
   Drift drift;
@@ -53,11 +53,11 @@ struct LastCheck {
 
 std::string text_of(const Manifest& manifest);
 std::string text_of(const LastCheck& check);
-// Throw Error where the file cannot be read, is damaged, or of another version.
+// Throw Error where the file cannot be read, is damaged, or has another version.
 Manifest read_manifest(const std::string& path);
 LastCheck read_last_check(const std::string& path);
 
-// Of what an image holds, whatever its file is compressed by.
+// Returns a digest of an image's content, however its file is compressed.
 std::string digest_of(const scenes::Image& image);
 std::string digest_of(const std::string& text);
 

@@ -14,7 +14,7 @@ namespace {
 struct Group {
   std::string_view name;
   uint32_t bit;
-  std::vector<std::string_view> channels;  // behind the dot; none: the name is the channel
+  std::vector<std::string_view> channels;  // suffixes after the dot; none: the name is the channel
 };
 
 const std::vector<std::string_view> surface_channels = {"surface", "primitive", "Z", "N", "N.X", "N.Y", "N.Z"};
@@ -47,7 +47,7 @@ bool has(const std::vector<std::string_view>& list, std::string_view name) {
   return std::find(list.begin(), list.end(), name) != list.end();
 }
 
-// K of "layerK", or -1.
+// Returns K of "layerK", or -1.
 int layer_number(std::string_view base) {
   constexpr std::string_view prefix = "layer";
   if (base.size() != prefix.size() + 1 || !base.starts_with(prefix)) return -1;

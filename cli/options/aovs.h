@@ -1,4 +1,4 @@
-// Additional outputs by the channel names of docs/cli.md. Any thread.
+// Selects additional outputs by the channel names of docs/cli.md. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,16 @@ struct Aovs {
   std::vector<std::string> chosen;  // channels ("id.surface") and groups ("N", "layer0", "layers", "all")
 };
 
-// What a frame can show.
+// Says what a frame can show.
 struct FrameContents {
   uint32_t layers = 0;
   bool shadow_masks = false, inexact = false, reference = false;
 };
 
-// `list`: comma separated. Throws UsageError for what is unknown, or not in the frame.
+// `list`: comma separated. Throws UsageError for names that are unknown or not in the frame.
 Aovs parse_aovs(const std::string& list, const FrameContents& frame);
 
-// Whether a channel of the picture was asked for. R, G, B and A always are.
+// Returns whether a channel of the picture was requested; R, G, B and A always are.
 bool is_chosen(const Aovs& aovs, const std::string& channel);
 
 }  // namespace sideray::cli

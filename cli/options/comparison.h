@@ -1,4 +1,4 @@
-// Metrics between two images with a bound: `compare`, and without one `render --compare`. Any thread.
+// Compares two images by metrics, with a bound (`compare`) or without (`render --compare`). Any thread.
 #pragma once
 
 #include <optional>
@@ -25,7 +25,7 @@ struct ComparisonOptions {
 const Table& comparison_table();
 ComparisonOptions resolve_comparison(const Given& given);
 
-// Prints the metrics and returns the exit code: failed beyond the bound or with non-finite pixels.
+// Prints the metrics and returns the exit code: failed beyond the bound or with pixels that are not finite.
 int run_comparison(const std::string& test, const std::string& reference, const ComparisonOptions& options,
                    const lab::Display& display);
 

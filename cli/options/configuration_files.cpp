@@ -15,10 +15,10 @@ bool is_flag(const std::string& name) {
   return option && option->type == SIDERAY_OPTION_FLAG;
 }
 
-// Refuses a key that an object has twice: one of its values would win silently.
+// Refuses an object with the same key twice, of which one value would win silently.
 nlohmann::json parse_unique(const std::vector<uint8_t>& bytes, const std::string& path) {
   using Json = nlohmann::json;
-  std::vector<std::set<std::string>> keys;  // of the objects around what is read
+  std::vector<std::set<std::string>> keys;  // of the objects around the current place
   const auto check = [&](int, Json::parse_event_t event, Json& value) {
     if (event == Json::parse_event_t::object_start) keys.emplace_back();
     if (event == Json::parse_event_t::object_end) keys.pop_back();

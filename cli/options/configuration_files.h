@@ -1,4 +1,4 @@
-// Sweep and jobs files as options that were given. Any thread.
+// Reads sweep and jobs files into options. Any thread.
 #pragma once
 
 #include "cli/options/options.h"
@@ -6,10 +6,10 @@
 
 namespace sideray::cli {
 
-// `entry_name`: what errors call an element. Throws Error for a file that cannot be read, UsageError for its content.
+// `entry_name`: names an element in errors. Throws Error for a file that cannot be read, UsageError for its content.
 std::vector<lab::Configuration> read_configurations(const std::string& path, const std::string& entry_name);
 
-// The options of one entry: flags that are false are not given. Throws UsageError.
+// Returns the options of one entry, without flags that are false. Throws UsageError.
 Given given_of(const lab::Configuration& configuration, const std::string& name);
 
 }  // namespace sideray::cli

@@ -71,7 +71,7 @@ void print_diagnostics(const Table& rows) {
   }
 }
 
-// Reads "NAME=VALUE", or the name of a flag alone.
+// Reads "NAME=VALUE", or only the name of a flag.
 void give_diagnostic(const Table& rows, const std::string& text, Given& given) {
   const size_t equals = text.find('=');
   const std::string name = text.substr(0, equals);
@@ -108,14 +108,14 @@ void add_diagnostics(CLI::App& command, const Table& rows, Given& given) {
       ->group("Diagnostics");
 }
 
-// Options of pictures that 0.2 had and that are read as nothing have no row, and no line of help.
+// Accepts options of pictures of version 0.2 that have no effect any more: without a row, and not in the help.
 void add_without_effect(CLI::App& command, Given& given) {
   const std::string name = "shading-reuse";
   command.add_option_function<std::string>(dashed(name), [&given, name](const std::string& text) { give(given, name, text); })
       ->group("");
 }
 
-// Rows that the short help leaves out have no title there.
+// Adds --help-all, which gives `rare` options, hidden in the short help, their titles.
 void add_long_help(CLI::App& command, std::vector<std::pair<CLI::Option*, std::string>> rare) {
   if (rare.empty()) return;
   command.add_flag_callback(

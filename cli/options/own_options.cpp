@@ -20,22 +20,22 @@ sideray_option choice(const char* name, const char* const (&choices)[count], con
   return row;
 }
 
-// Rows that say what is drawn and where from.
+// Makes rows that say what is drawn and from where.
 OwnOption of_view(const char* after, sideray_option row) {
   return {row, after, true, true, true};
 }
 
-// Rows that say what becomes of one picture.
+// Makes rows that say what happens to one picture.
 OwnOption of_picture(const char* after, sideray_option row) {
   return {row, after, true, false, true};
 }
 
-// Files, and ways of running.
+// Makes rows for files and ways of running.
 OwnOption of_run(const char* after, sideray_option row) {
   return {row, after, false, false, false};
 }
 
-// The title of a row of the library's table.
+// Returns the title of a row of the library's table.
 const char* title_of(const char* name) {
   return sideray_option_find(name)->group;
 }

@@ -14,13 +14,13 @@ std::string text(const Given& given, const char* name) {
   return text_of(render_table(), given, name);
 }
 
-// "layers", "oit peel": as they are given to the program.
+// Returns "--layers", "--oit peel" for "layers", "oit peel".
 std::string as_given(const std::string& option) {
   const size_t space = option.find(' ');
   return space == std::string::npos ? dashed(option) : dashed(option.substr(0, space), option.substr(space + 1));
 }
 
-// The library's messages begin with an option, with or without a value, and have others in single quotes.
+// Adds dashes to the library's messages, which begin with an option, and have others in single quotes.
 std::string with_dashes(const std::string& message) {
   const size_t colon = message.find(':');
   std::string result = as_given(message.substr(0, colon));
@@ -37,7 +37,7 @@ std::string with_dashes(const std::string& message) {
   return result;
 }
 
-// Runs what sets or checks options by name; its refusals are wrong usage.
+// Runs code that sets or checks options by name, and turns its errors into wrong usage.
 template <typename Work>
 void by_name(const Work& work) {
   try {
@@ -61,7 +61,7 @@ std::array<double, 3> point(const char* name, const std::string& given) {
   return p;
 }
 
-// Reads focal lengths and a principal point, which are in pixels of the picture from its top left corner.
+// Reads focal lengths and principal point, in pixels from the picture's top left corner.
 Projection projection_of(const std::string& given, double width, double height) {
   const char* const name = "intrinsics";
   const std::vector<std::string> parts = split(given, ',');
@@ -120,7 +120,7 @@ void set_outputs(const Given& given, RenderOptions& result) {
 }
 
 void check_files(const RenderOptions& result) {
-  // Built-in names and words are no paths.
+  // Built-in names and words are not paths.
   const bool is_file = result.scene.ends_with(".gltf") || result.scene.ends_with(".glb");
   const bool is_picture = result.environment != "sky" && result.environment != "none";
   require_distinct({{"-o", result.output}, {"--stats", result.stats}, {"--truth", result.truth}},
@@ -154,12 +154,12 @@ void set_bounds(const Given& given, RenderOptions& result) {
     wrong_usage("--{}: --translucency reference leaves nothing to choose; leave one of them out", bound);
   if (given.contains("budget"))
     wrong_usage("--budget: contradicts --{}, which times whole frames; leave one of them out", bound);
-  // The errors that bounds are about are those to the light of one bounce, which has neither.
+  // Bounds are on errors against light of one bounce, which has neither ambient occlusion nor such reflections.
   for (const char* name : {"ambient", "reflections"})
     if (result.named[name] == "auto") result.named.set(name, "off");
 }
 
-// Sequences are averaged over time where nothing else is said and it has an effect.
+// Turns temporal averaging on for sequences if the option is not set and has an effect.
 void set_taa(RenderOptions& result) {
   if (!result.frames)
     result.named.set("taa", "off");
@@ -167,7 +167,7 @@ void set_taa(RenderOptions& result) {
     result.named.set("taa", "on");
 }
 
-// A variable chooses for a whole job what no option says.
+// Returns --gl, or the value of an environment variable if it is auto, for a whole job.
 std::string chosen_gl(const Given& given) {
   const std::string gl = text(given, "gl");
   const char* variable = std::getenv("SIDERAY_GL");

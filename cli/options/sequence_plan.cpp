@@ -11,7 +11,7 @@ Block block_of(uint32_t first, uint32_t frames, Shard shard) {
 
 std::vector<Step> plan_steps(uint32_t first, std::span<const uint32_t> wanted, uint32_t warm_up, uint32_t period) {
   std::vector<Step> steps;
-  uint32_t next = first;  // not drawn by an earlier step
+  uint32_t next = first;  // the first frame that no earlier step draws
   for (const uint32_t frame : wanted) {
     uint32_t earliest = frame - std::min(warm_up, frame - first);
     if (warm_up >= period) earliest = first + (earliest - first + period - 1) / period * period;

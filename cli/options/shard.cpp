@@ -14,7 +14,7 @@ constexpr uint32_t most_shards = 1000000;
 constexpr const char *slurm_id = "SLURM_ARRAY_TASK_ID", *kubernetes_id = "JOB_COMPLETION_INDEX",
                      *gridengine_id = "SGE_TASK_ID";
 
-// GridEngine says "undefined" where a job has no tasks.
+// Returns an environment variable. GridEngine sets "undefined" where a job has no tasks.
 std::optional<std::string> variable(const char* name) {
   const char* text = std::getenv(name);
   if (!text || !*text || std::string(text) == "undefined") return {};
@@ -40,7 +40,7 @@ Shard shard_among(const char* name, uint32_t first, uint32_t count) {
   return {id - first, count};
 }
 
-// A list such as 2,5 has a smallest number and a count too, which do not say what is in between.
+// Refuses lists such as 2,5: the smallest number and the count do not tell which numbers are between.
 Shard slurm_shard(std::optional<uint32_t> count) {
   if (count) return shard_among(slurm_id, 0, *count);
   const uint32_t id = number_in(slurm_id, 0), first = number_in("SLURM_ARRAY_TASK_MIN", 0),

@@ -21,13 +21,13 @@ namespace {
 
 using nlohmann::json;
 
-// How many milliseconds timing one frame size may take, and in how many frames.
+// Milliseconds to spend on timing one frame size, and limits of its repetitions.
 constexpr double timing_ms = 400;
 constexpr uint32_t fewest_repeats = 5, most_repeats = 25;
-// The same for the whole frame, in one frame at least.
+// Milliseconds to spend on the whole frame, with at least one repetition.
 constexpr double whole_timing_ms = 1000;
 constexpr uint32_t reference_light_samples = 16;
-// The same for a look.
+// Milliseconds to spend on a look, and its most repetitions.
 constexpr double look_ms = 150;
 constexpr uint32_t most_look_repeats = 5;
 
@@ -35,7 +35,7 @@ std::string text_of(const char* text) {
   return text ? text : "";
 }
 
-// Built-in scenes belong to the program, so that another build may draw another scene.
+// Identifies the program. Built-in scenes belong to it, so that another build may draw another scene.
 json program_stamp() {
   int major = 0, minor = 0, patch = 0;
   sideray_version(&major, &minor, &patch);
@@ -67,7 +67,7 @@ json scene_stamp(const scenes::Content& content, const RenderOptions& options) {
   return stamp;
 }
 
-// Names every option that was given and that a frame's cost depends on; bounds choose among frames and change none.
+// Lists every given option that a frame's cost depends on; bounds only choose among frames.
 json options_stamp(const RenderOptions& options) {
   json stamp = {{"time", options.time_s}};
   for (const auto& [name, text] : options.given)
@@ -87,14 +87,14 @@ lab::FrameCost cost_of(const RenderRun& run) {
   cost.work = {s.rays_primary,   s.rays_reflection, s.rays_shadow, s.rays_ao, s.layers_matched + s.layers_missed,
                s.bytes_readback, s.bytes_upload,    s.bytes_cache,   s.rays_bounce};
   for (const sideray_stage_time& time : run.stages) {
-    // What happens once is no part of a frame.
+    // Loading and building happen once, so that they are no part of a frame.
     const bool once = time.stage == SIDERAY_STAGE_LOAD || time.stage == SIDERAY_STAGE_BUILD;
     if (!once && time.stage < cost.stage_ms.size() && std::isfinite(time.median)) cost.stage_ms[time.stage] = time.median;
   }
   return cost;
 }
 
-// The light that the options speak of, without shortcuts: what a reference decides itself is left to it.
+// Returns options for a reference with the same light transport; omits options that a reference decides itself.
 RenderOptions reference_options(const RenderOptions& options) {
   Given given = beside_reference(options.given);
   for (const OwnOption& own : own_options())
@@ -108,7 +108,7 @@ RenderOptions reference_options(const RenderOptions& options) {
   return resolve_render(options.scene, given);
 }
 
-// The first frame of a sequence is the picture that it is alone.
+// Returns options that draw the first frame of a sequence as a single picture.
 RenderOptions first_frame(RenderOptions options) {
   if (!options.frames) return options;
   options.time_s = options.frames->time_s(options.frames->first);
@@ -179,7 +179,7 @@ double Calibration::drawn_ms(const RenderOptions& options, double foretold_ms) {
   const json name = key("frame", options);
   if (const std::optional<json> kept = cache_.find(name); kept && kept->contains("ms") && (*kept)["ms"].is_number())
     return positions * (*kept)["ms"].get<double>();
-  // A picture is drawn once before it is timed, and once more to be timed by stages.
+  // A timed picture is also drawn once before, and once more for its stages.
   const double fitting = positions * whole_timing_ms / (2 * std::max(foretold_ms, 0.1));
   const double ms = measure(options, whole, static_cast<uint32_t>(std::clamp<double>(fitting, 1, fewest_repeats))).ms();
   cache_.keep(name, {{"ms", ms}});
@@ -188,11 +188,11 @@ double Calibration::drawn_ms(const RenderOptions& options, double foretold_ms) {
 
 lab::Probe Calibration::draw_probe(const RenderOptions& options) {
   const auto repeats = [](double frame_ms) {
-    const double fitting = timing_ms / (2 * std::max(frame_ms, 0.1));  // each is timed by stages, and whole
+    const double fitting = timing_ms / (2 * std::max(frame_ms, 0.1));  // each is timed as a whole and by stages
     return static_cast<uint32_t>(std::clamp<double>(fitting, fewest_repeats, most_repeats));
   };
   const lab::ProbeSizes sizes = lab::probe_sizes(whole_size(options));
-  // The first picture of its kind compiles programs, builds what rays hit and finds cold memory.
+  // The first picture of its kind compiles programs, builds acceleration structures and finds cold memory.
   const double first_ms = measure(options, sizes.small, 1).ms();
   const double growth = static_cast<double>(sizes.large.pixels()) / static_cast<double>(sizes.small.pixels());
   const lab::FrameCost small = measure(options, sizes.small, repeats(first_ms));
@@ -221,7 +221,7 @@ lab::Look Calibration::look(const RenderOptions& options) {
   }
   const scenes::Image& exact = reference();
   const lab::FrameSize size = lab::probe_sizes(whole_size(single)).small;
-  // The first of its kind compiles programs, builds what rays hit and finds cold memory.
+  // The first picture of its kind compiles programs, builds acceleration structures and finds cold memory.
   const Session::Drawn drawn = draw(single, size, 0);
   const scenes::Image image = image_of(drawn.picture, drawn.light_names, single);
   const lab::Look look{draw_ms(single, size), lab::compare(image, exact, single.display).metrics.flip};
@@ -231,7 +231,7 @@ lab::Look Calibration::look(const RenderOptions& options) {
   return look;
 }
 
-// Times a frame and reading it back, which is the same for all: the least of a few, as far as they are soon drawn.
+// Returns the least time of as many frames as fit `look_ms`, with readback, which takes the same time for all options.
 double Calibration::draw_ms(const RenderOptions& options, lab::FrameSize size) {
   double least = std::numeric_limits<double>::infinity(), sum = 0;
   for (uint32_t n = 0; n < most_look_repeats && sum < look_ms; ++n) {

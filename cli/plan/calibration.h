@@ -1,5 +1,5 @@
-// What a configuration costs on this machine and how far it is from the reference, measured on reduced frames of the
-// session's view once and kept. Main thread.
+// Measures the cost of configurations on this machine and their error against the reference, on reduced frames of the
+// session's view, and caches both. Main thread.
 #pragma once
 
 #include <map>
@@ -14,16 +14,16 @@ namespace sideray::cli {
 
 class Calibration {
  public:
-  // Throws Error where nothing can be drawn here.
+  // Throws Error where this machine can draw nothing.
   Calibration(Session& session, const RenderOptions& options);
 
-  // Measures a frame drawn with these options, in a sequence the one after the first. `options` is no reference. Work
-  // and times are those of one camera position, whatever `--samples` says.
+  // Measures a frame with these options; in a sequence, the second one. `options` must not be a reference. Work and
+  // times are those of one camera position, whatever `--samples` says.
   lab::Probe probe(const RenderOptions& options);
-  // Times a whole frame: what `foretold_ms` says of it, measured. That itself where the probe's larger frame is whole.
+  // Times the whole frame; returns its prediction `foretold_ms` if the probe's larger frame was the whole one already.
   double drawn_ms(const RenderOptions& options, double foretold_ms);
-  // Looks at the smaller frame alone: its time, and the mean FLIP against the reference of the options that the
-  // calibration was made with, where it has one.
+  // Measures only the smaller frame: its time, and where possible its mean FLIP against the reference of the options
+  // that the calibration was made with.
   lab::Look look(const RenderOptions& options);
 
  private:
@@ -37,15 +37,15 @@ class Calibration {
   Session& session_;
   lab::CalibrationCache cache_;
   nlohmann::json machine_, scene_;
-  RenderOptions exact_;                       // of the reference
-  std::map<std::string, lab::Probe> probes_;  // of this run, whether they can be kept or not
+  RenderOptions exact_;                       // options of the reference
+  std::map<std::string, lab::Probe> probes_;  // of this run, cached on disk or not
   std::optional<scenes::Image> reference_;
 };
 
-// Whether frames of these options can be predicted: references are drawn in minutes, reduced or not.
+// Returns whether frames with these options can be predicted: references take minutes, reduced or not.
 bool is_predictable(const RenderOptions& options);
 
-// Predicts what a whole frame of these options counts and takes, within what its plan allows.
+// Predicts the work and time of a whole frame with these options, within what its plan allows.
 lab::FrameCost predict(const lab::Probe& probe, const RenderOptions& options, const sideray_plan_work& most);
 
 }  // namespace sideray::cli

@@ -11,7 +11,7 @@
 namespace sideray::cli {
 namespace {
 
-// Empty where the given options leave it no room.
+// Returns nothing where the given options contradict the configuration.
 std::optional<RenderOptions> resolved(const RenderOptions& options, const lab::Configuration& configuration) {
   Given given = options.given;
   given.insert(configuration.begin(), configuration.end());
@@ -24,7 +24,7 @@ std::optional<RenderOptions> resolved(const RenderOptions& options, const lab::C
   }
 }
 
-// Equal texts, equal numbers.
+// Numbers texts; equal texts have equal numbers.
 class Numbers {
  public:
   size_t of(const std::string& text) { return numbers_.emplace(text, numbers_.size()).first->second; }
@@ -33,7 +33,7 @@ class Numbers {
   std::map<std::string, size_t> numbers_;
 };
 
-// Those that come to the same are drawn once: layers beyond what a ray hits, options without a use.
+// Returns the candidates without duplicates, such as more layers than a ray hits, or options without effect.
 std::vector<Considered> distinct_candidates(Session& session, const RenderOptions& options) {
   std::vector<Considered> list;
   std::set<std::string> known;

@@ -1,4 +1,4 @@
-// --max-ms and --max-error: the configuration that holds them, of those that the given options leave open. Main thread.
+// Chooses, for --max-ms and --max-error, among configurations that the given options leave open. Main thread.
 #pragma once
 
 #include "cli/plan/calibration.h"
@@ -6,37 +6,37 @@
 
 namespace sideray::cli {
 
-// One configuration that was looked at.
+// Holds one configuration that was considered.
 struct Considered {
-  lab::Configuration configuration;  // what it says beside the given options
+  lab::Configuration configuration;  // the options besides the given ones
   RenderOptions options;
-  lab::Candidate cost;  // look and ms: where the choice needed them
+  lab::Candidate cost;  // look and ms: only where the choice needed them
 
-  // Mean FLIP against the reference. Empty: not looked at, or unknown.
+  // Returns the mean FLIP against the reference; empty: not measured, or unknown.
   std::optional<double> error() const { return cost.look ? cost.look->error : std::nullopt; }
 };
 
 struct Choice {
   std::vector<Considered> considered;
   size_t picked = 0;
-  lab::Correction correction;  // what whole frames said of foretold times
+  lab::Correction correction;  // of predicted times, by whole frames
 
   const Considered& chosen() const { return considered[picked]; }
-  // Returns the time that is foretold of one by now; nothing where the choice did not need it.
+  // Returns the corrected predicted time of a configuration; empty where the choice did not need it.
   std::optional<double> foretold_ms(const Considered& c) const;
 };
 
-// Measures what the choice needs; with a bound on the time that is the chosen frame too, whole. Throws Error where no
-// configuration holds the bounds, with the nearest one and what it reaches, and where nothing can be drawn.
+// Measures what the choice needs; with a bound on the time, also the chosen frame as a whole. Throws Error where
+// nothing can be drawn, or where no configuration holds the bounds, naming the nearest one.
 Choice choose(Session& session, Calibration& calibration, const RenderOptions& options);
 
-// The options with what was chosen in place of what was left open; as they are without bounds. Says on standard error
-// what was chosen, what it is predicted to cost, what was measured, and how often it was chosen anew.
+// Returns the options completed by the choice; unchanged without bounds. Prints to standard error what was chosen, its
+// predicted and measured cost, and how often the choice was repeated.
 RenderOptions with_choice(Session& session, const RenderOptions& options);
 
 ChoiceSummary summary(const Choice& choice);
 
-// "translucency hybrid, layers 2, predicted 31.2 ms, measured 33.0 ms, error 0.0123"
+// Returns "translucency hybrid, layers 2, predicted 31.2 ms, measured 33.0 ms, error 0.0123".
 std::string describe(const Choice& choice, const Considered& considered);
 
 }  // namespace sideray::cli

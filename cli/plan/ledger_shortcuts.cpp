@@ -9,7 +9,7 @@ struct ReleaseShortcuts {
   void operator()(sideray_shortcuts* list) const { sideray_shortcuts_release(list); }
 };
 
-// Those that the library knows, as they are in the scene.
+// Adds the shortcuts that the library reports for the scene.
 void add_of_options(const RenderOptions& base, const sideray_scene_facts& facts, Shortcuts& result) {
   sideray_shortcuts* list = nullptr;
   check([&](sideray_error* error) { return sideray_shortcuts_create(base.named.get(), &facts, &list, error); });
@@ -49,7 +49,7 @@ void add_unsplit(Shortcuts& result) {
       {"environment", "prefiltered on opaque surfaces: only the reference samples it; part of residual.opaque"});
 }
 
-// From the picture without shortcuts to the reference, step by step.
+// Makes the chain of steps from the picture without shortcuts to the reference.
 void make_chain(const RenderOptions& base, const sideray_scene_facts& facts, Shortcuts& result) {
   lab::Configuration off;
   for (const Shortcut& shortcut : result.taken) off.insert(shortcut.off.begin(), shortcut.off.end());

@@ -1,4 +1,4 @@
-// Lists the shortcuts that a configuration takes, and what switches each of them off (docs/ledger.md). Any thread.
+// Lists the shortcuts of a configuration, and the options that switch each off (docs/ledger.md). Any thread.
 #pragma once
 
 #include <sideray/plan.h>
@@ -10,13 +10,13 @@ namespace sideray::cli {
 
 struct Shortcut {
   std::string name;        // as in ledger.json and ledger.exr
-  std::string what;        // what was done, and what instead
+  std::string what;        // what was done, and what is done instead
   lab::Configuration off;  // the options that switch it off
-  bool is_random = false;  // its opposite is a mean over random numbers
-  bool is_exact = false;   // its opposite is sideray_diagnostics::exact_points
+  bool is_random = false;  // without it, the picture is a mean over random numbers
+  bool is_exact = false;   // without it, sideray_diagnostics::exact_points is set
 };
 
-// Returns whether its opposite is a reference.
+// Returns whether the picture without the shortcut is a reference.
 inline bool is_reference(const Shortcut& shortcut) {
   return shortcut.off.contains("reference");
 }
@@ -27,12 +27,12 @@ struct Unsplit {
 
 struct Shortcuts {
   std::vector<Shortcut> taken;
-  std::vector<Shortcut> chain;  // all of them off, and from there on towards the reference
+  std::vector<Shortcut> chain;  // all of them off, and from there towards the reference
   std::vector<Unsplit> inseparable;
   std::vector<Unsplit> absent;
 };
 
-// `facts`: the scene's, with the layers that the options give it. Throws Error.
+// `facts`: of the scene, with the layers that the options select. Throws Error.
 Shortcuts shortcuts_of(const RenderOptions& base, const sideray_scene_facts& facts);
 
 }  // namespace sideray::cli

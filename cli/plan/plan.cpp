@@ -8,7 +8,7 @@
 namespace sideray::cli {
 namespace {
 
-// A plan writes nothing and runs nothing: files, ways of running and checks of the result have no place in it.
+// Leaves out files, ways of running and checks of the result, since a plan draws nothing.
 Table table() {
   static const sideray_option json = flag_row("json", "prints JSON");
   Table t = picture_table([](const sideray_option& option) { return option.cost != SIDERAY_COST_NONE; },
@@ -22,7 +22,7 @@ RenderOptions resolve(const std::string& scene, Given given) {
   if (scene.empty()) wrong_usage("plan: no scene; give a .gltf or .glb file or a built-in name (sideray make --list)");
   given.erase("json");
   given["o"] = given.contains("frames") ? "plan.#.exr" : "plan.exr";  // never written
-  // How far the light of the truth is followed, which errors are predicted against: no picture but a reference reads it.
+  // How far light is followed in the reference of predicted errors; only references read these options.
   Given of_truth;
   for (const char* name : {"bounces", "caustics"})
     if (auto option = given.extract(name)) of_truth.insert(std::move(option));
@@ -33,12 +33,12 @@ RenderOptions resolve(const std::string& scene, Given given) {
   } else {
     options.given.merge(of_truth);
   }
-  options.continues = options.frames.has_value();  // all frames but the first
+  options.continues = options.frames.has_value();  // for all frames but the first
   return options;
 }
 
-// Empty where nothing can be predicted, and standard error says why: references, and a machine that draws nothing. A
-// choice needs predictions: with bounds it throws.
+// Returns nothing where predictions are impossible, and prints why: for references, and on a machine that draws
+// nothing. With bounds, which need predictions, it throws.
 std::optional<Calibration> calibration_of(Session& session, const RenderOptions& options) {
   if (options.bounds.any()) return Calibration(session, options);
   if (!is_predictable(options)) {

@@ -1,4 +1,4 @@
-// The command `plan`: what `render` would do with the same options, without drawing. Main thread.
+// `sideray plan`: says what `render` would do with the same options, without drawing. Main thread.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@ namespace sideray::cli {
 
 const Table& plan_table();
 
-// Prints, and returns the exit code. Throws UsageError or Error.
+// Prints the plan and returns the exit code. Throws UsageError or Error.
 int plan(const std::string& scene, const Given& given);
 
 }  // namespace sideray::cli

@@ -52,7 +52,7 @@ Json bounds_json(const sideray_plan_work& most) {
   return json;
 }
 
-// Without a prediction only what cannot be more than nothing is known.
+// Returns the predicted part. Without a prediction, only values whose upper bound is 0 are known.
 Json predicted_json(const PlanReport& report, const Json& bounds) {
   Json json = Json::object();
   if (!report.predicted) {

@@ -1,4 +1,4 @@
-// What `plan` prints: as JSON, whose keys docs/cli.md defines, and for people. Any thread.
+// Prints a plan: as JSON, whose keys docs/cli.md defines, and for people. Any thread.
 #pragma once
 
 #include "cli/plan/choice.h"
@@ -6,7 +6,7 @@
 namespace sideray::cli {
 
 struct PlanReport {
-  const RenderOptions& options;  // what the plan is of: the choice, where there was one
+  const RenderOptions& options;  // of the plan: those of the choice, if there was one
   const Session::Planned& planned;
   std::optional<lab::FrameCost> predicted;
   std::optional<Choice> choice;

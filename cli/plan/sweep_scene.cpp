@@ -18,7 +18,7 @@ using scenes::Object;
 
 constexpr uint64_t most_layers = 8;
 
-// The angle under which the sphere around an object's box appears; 180 from within.
+// Returns the angle of the sphere around an object's box; 180 from inside.
 double angle_deg(const Content& content, const Object& object, const sideray_camera& camera) {
   const scenes::Bounds bounds = scenes::bounds_of(content, object);
   if (bounds.empty()) return 180;
@@ -28,7 +28,7 @@ double angle_deg(const Content& content, const Object& object, const sideray_cam
   return radius >= distance ? 180 : 2 * std::asin(radius / distance) * 180 / std::numbers::pi;
 }
 
-// The smallest angle as --cull-angle counts them in this view. Nothing is too far away for a view without perspective.
+// Returns the smallest angle, in terms of --cull-angle in this view. In orthographic views nothing is too far away.
 double smallest_angle_deg(const Content& content, const sideray_camera& camera) {
   double smallest = 180;
   const double per_degree = sideray_plan_cull_angle(&camera, 1.0f);

@@ -1,4 +1,4 @@
-// Says what of a scene decides which configurations there are to choose between. Main thread.
+// Collects the facts of a scene that decide which configurations to choose between. Main thread.
 #pragma once
 
 #include "cli/session/session.h"
@@ -6,7 +6,7 @@
 
 namespace sideray::cli {
 
-// The scene with the view of `options` and the layers that its objects have by default. Makes the session's renderer.
+// Uses the view of `options` and the layers that objects have by default. Creates the session's renderer.
 lab::SweepScene sweep_scene(Session& session, RenderOptions options);
 
 }  // namespace sideray::cli

@@ -1,4 +1,4 @@
-// One thing that a run makes (a picture, a row of a chart, a case), and what of it is there. Plain memory; any thread.
+// One product of a run (a picture, a row of a chart, a case), and whether it exists. Plain memory; any thread.
 #pragma once
 
 #include "cli/record/run_record.h"
@@ -6,10 +6,10 @@
 namespace sideray::cli {
 
 struct RunPart {
-  Json name;                    // the number of a frame or row, else a name
-  uint32_t shard = 0;           // whose task makes it
-  std::string file;             // the file it is known by
-  std::string program, device;  // that made it; program "": it is missing, or not whole
+  Json name;                    // number of a frame or row, otherwise a name
+  uint32_t shard = 0;           // the shard that makes it
+  std::string file;             // the file whose presence proves it
+  std::string program, device;  // that made it; program "": missing or incomplete
 };
 
 }  // namespace sideray::cli

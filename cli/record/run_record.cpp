@@ -25,7 +25,7 @@ Json to_json(const RunRecord& run) {
           {"work", run.work}};
 }
 
-// The scheduler may be another one; everything else is the run.
+// Returns what tasks must agree on, which is everything but the scheduler.
 Json agreed(const RunRecord& run) {
   return {{"command", run.command}, {"shards", run.shards}, {"work", run.work}};
 }
@@ -34,13 +34,13 @@ std::string value_at(const Json& json, const Json::json_pointer& at) {
   return json.contains(at) ? json[at].dump() : "absent";
 }
 
-// The first thing that two runs differ in, as "shards is 4 there and 3 here"; "" where there is none.
+// Describes the first difference of two runs, as "shards is 4 there and 3 here"; "" where there is none.
 std::string difference(const Json& there, const Json& here) {
   const Json all = Json::diff(there, here);
   if (all.empty()) return "";
   const std::string path = all.at(0).at("path").get<std::string>();
   const Json::json_pointer at(path);
-  // What is made has names of its own, which need no word before them.
+  // Omits the first part of the path: names inside "work" are clear without it.
   const size_t second = path.find('/', 1);
   std::string name = path.substr(second == std::string::npos ? 1 : second + 1);
   for (char& c : name)

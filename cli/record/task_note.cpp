@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Network file systems show times that are up to a minute old.
+// Network file systems may report times that are up to a minute old.
 constexpr std::chrono::seconds between_signs(5), longest_silence(90);
 
 std::string note_path(const std::string& folder, uint32_t shard) {
@@ -37,7 +37,7 @@ std::string host_name() {
   return host;
 }
 
-// Where a process has its number: two machines may have one name, and containers numbers of their own.
+// Identifies the space of process ids: two machines may have the same name, and containers have ids of their own.
 std::string process_space() {
   std::error_code ignored;
   return host_name() + " " + fs::read_symlink("/proc/self/ns/pid", ignored).string();
@@ -54,7 +54,7 @@ bool is_alive(const Json& note, const std::string& path) {
   return !error && age < longest_silence;
 }
 
-// Touches a file now and then until it is destroyed.
+// Touches a file every few seconds until it is destroyed.
 class SignsOfLife {
  public:
   explicit SignsOfLife(const std::string& path)
@@ -69,7 +69,7 @@ class SignsOfLife {
  private:
   std::mutex mutex_;
   std::condition_variable_any wake_;
-  std::jthread thread_;  // stops before the others are gone
+  std::jthread thread_;  // ends before the other members are destroyed
 };
 
 }  // namespace
@@ -103,7 +103,7 @@ int run_task(const RunRecord& run, Shard shard, const std::function<int()>& work
     try {
       end("failed", error.what());
     } catch (const Error&) {
-      // Where the folder cannot be written any more, silence has to do.
+      // The folder cannot be written any more; the task will count as lost.
     }
     throw;
   }

@@ -15,12 +15,12 @@
 namespace sideray::cli {
 namespace {
 
-// How many frames before a frame its picture depends on, or settles over.
+// Returns how many earlier frames a picture depends on, or settles over.
 uint32_t warm_up_frames(const RenderOptions& options) {
   return has_past(options) ? options.frames->warm_up : 0;
 }
 
-// The frames of the block in turn: the pictures that are there, and their lines.
+// Draws the frames of the block in turn, and knows which pictures and stats exist.
 class Sequence {
  public:
   Sequence(const RenderOptions& options, const RunJob* job)
@@ -38,7 +38,7 @@ class Sequence {
   }
 
   bool has_frames() const { return block_.begin < block_.end; }
-  // What is asked for and not there, its line included.
+  // Returns the frames whose picture or stats are missing.
   std::vector<uint32_t> missing() const {
     std::vector<uint32_t> frames;
     for (uint32_t frame = block_.begin; frame < block_.end; ++frame)
@@ -47,7 +47,7 @@ class Sequence {
   }
 
   void draw(const std::vector<Step>& steps) {
-    // A framed camera stays where the whole sequence's first frame has it.
+    // A framed camera stays where it is in the whole sequence's first frame.
     Session session(frame_options(options_, {options_.frames->first}));
     Progress progress(steps.size());
     for (const Step& step : steps) {
@@ -69,7 +69,7 @@ class Sequence {
   }
 
  private:
-  // Tasks of one run would overwrite each other's.
+  // Tasks of one run would overwrite each other's stats file, so they have none.
   bool has_stats_file() const { return !options_.stats.empty() && !job_; }
 
   void keep_stats(const RenderOptions& picture, uint32_t frame, const nlohmann::ordered_json& stats) {
@@ -87,9 +87,9 @@ class Sequence {
   }
 
   const RenderOptions& options_;
-  const RunJob* job_;  // nullptr: the run is this one alone
+  const RunJob* job_;  // nullptr: no other tasks share the run
   Block block_;
-  std::set<uint32_t> kept_;  // of the block: whose pictures stay
+  std::set<uint32_t> kept_;  // frames of the block whose pictures stay
   SequenceStats stats_;
 };
 
@@ -102,7 +102,7 @@ RenderOptions frame_options(const RenderOptions& sequence, const Step& step) {
   options.time_s = sequence.frames->time_s(step.frame);
   options.given["time"] = fmt::format("{}", options.time_s);
   options.continues = step.continues;
-  // Without an average random numbers of each frame's own would only flicker.
+  // Only temporal averages need new random numbers in each frame; otherwise these would flicker.
   if (has_past(options))
     options.seed_offset = 0x9e3779b9u * (step.frame - sequence.frames->first);
   if (!step.is_wanted) options.repeats = 0;

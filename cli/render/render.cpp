@@ -59,7 +59,7 @@ void draw(const RenderOptions& asked, const RunJob* job) {
   if (!options.stats.empty()) write_text(options.stats, stats.dump(2) + "\n");
 }
 
-// Chosen once, by the sequence's first frame.
+// Returns the options chosen for the sequence's first frame, for all frames.
 RenderOptions with_choice_of_first(const RenderOptions& sequence) {
   RenderOptions first = sequence;
   first.time_s = sequence.frames->time_s(sequence.frames->first);
@@ -67,7 +67,7 @@ RenderOptions with_choice_of_first(const RenderOptions& sequence) {
   return with_choice(session, sequence);
 }
 
-// What cannot be drawn is refused before anything is recorded.
+// Refuses what cannot be drawn before anything is recorded.
 int render_frames_run(const RenderOptions& asked) {
   std::vector<RenderOptions> renders{asked};
   prepare_run(renders);

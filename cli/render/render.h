@@ -1,4 +1,4 @@
-// `sideray render`: one frame, from the options to the exit code. Main thread.
+// `sideray render`: draws one frame, from the options to the exit code. Main thread.
 #pragma once
 
 #include "cli/options/render_options.h"
@@ -6,15 +6,15 @@
 
 namespace sideray::cli {
 
-// `job`: what a run that many tasks share records of it. With --frames and a shard that a scheduler gives it is such a run
-// itself.
+// `job`: the record of a picture in a run that many tasks share. With --frames and a scheduler's shard, the render is
+// such a run itself.
 int render(const RenderOptions& options, const RunJob* job = nullptr);
-// What render() finds out before any work: that its files can be written and read. Throws UsageError or Error.
+// Checks before any work that the files can be written and read. Throws UsageError or Error.
 void check_render(const RenderOptions& options);
 
-// The renders of a --jobs file: an array of {option: value} with "scene" and "o". `given` holds for every job that
-// does not say otherwise. All are checked before the first runs. With --shard, sequences are shared by their frames and
-// single pictures go round. Returns the first exit code that is not 0.
+// Runs the renders of a --jobs file: an array of {option: value} with "scene" and "o". `given` applies to every job
+// that does not set it. All jobs are checked before the first runs. With --shard, sequences are shared by frames, and
+// single pictures are dealt out in turn. Returns the first exit code that is not 0.
 int render_jobs(const std::string& path, const Given& given);
 
 }  // namespace sideray::cli

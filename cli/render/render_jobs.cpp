@@ -18,7 +18,7 @@ Given job_given(const lab::Configuration& job, const std::string& name) {
   return given_of(job, name);
 }
 
-// A task of a run has one shard for all jobs.
+// Sets the task's shard, which is the same for all jobs.
 void set_shard(Given& given, const std::optional<TaskShard>& shard, const std::string& name) {
   const auto own = given.find("shard");
   if (own != given.end() && ((shard && shard->is_recorded()) || own->second.starts_with("auto")))
@@ -39,7 +39,7 @@ RenderOptions resolve_job(Given given, const Given& defaults, const std::optiona
   }
 }
 
-// The last of two jobs with one output would win silently.
+// Refuses two jobs with one output, of which the last would win silently.
 void require_outputs_apart(const std::vector<RenderOptions>& renders, const std::string& path) {
   std::map<std::filesystem::path, size_t> writers;
   for (size_t i = 0; i < renders.size(); ++i)

@@ -1,4 +1,4 @@
-// A --jobs file as renders, for all commands that draw one. Any thread.
+// Turns a --jobs file into renders, for all commands that draw one. Any thread.
 #pragma once
 
 #include <optional>
@@ -10,10 +10,10 @@
 
 namespace sideray::cli {
 
-// "FILE job INDEX": what errors call it.
+// Returns "FILE job INDEX", for errors.
 std::string job_name(const std::string& path, size_t index);
 
-// The errors of `work` name the job.
+// Runs `work`, whose errors then name the job.
 template <typename Work>
 auto of_job(const std::string& name, const Work& work) {
   try {
@@ -25,8 +25,8 @@ auto of_job(const std::string& name, const Work& work) {
   }
 }
 
-// `defaults` hold for every job that does not say otherwise; sequences get `shard`, if any. Throws UsageError, also
-// where there is no job, or two write one file.
+// `defaults` apply to every job that does not set them; sequences get `shard`, if any. Throws UsageError, also where
+// there is no job, or two write the same file.
 std::vector<RenderOptions> resolve_jobs(const std::vector<lab::Configuration>& jobs, const std::string& path,
                                         const Given& defaults, const std::optional<TaskShard>& shard = {});
 

@@ -26,7 +26,7 @@ fs::path common(const fs::path& a, const fs::path& b) {
   return result;
 }
 
-// A folder may be seen from elsewhere later: what is inside is named from there.
+// Returns a path relative to the folder, if inside: others may see the folder at another place.
 std::string from_folder(const std::string& file, const std::string& folder) {
   std::error_code error;
   const fs::path full = fs::weakly_canonical(fs::absolute(file, error), error),
@@ -38,7 +38,7 @@ std::string in_folder(const std::string& file, const std::string& folder) {
   return (fs::path(folder) / file).string();
 }
 
-// A file may change under its name while tasks run.
+// Hashes a file's content, since it may change while tasks run.
 std::string hash_of_file(const std::string& file) {
   constexpr uint64_t most_bytes = uint64_t{16} << 30;
   return fmt::format("{:016x}", scenes::hash_of(scenes::read_file(file, most_bytes)));

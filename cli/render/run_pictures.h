@@ -1,4 +1,4 @@
-// The pictures of a render that many tasks share: which there are, which of them are there. Main thread.
+// Lists the pictures of a render that many tasks share, and finds which exist. Main thread.
 #pragma once
 
 #include <optional>
@@ -9,32 +9,32 @@
 
 namespace sideray::cli {
 
-// What sidecars say of a render in a run.
+// Holds what sidecars record of a render in a run.
 struct RunJob {
   Json options;  // as recorded
   Shard shard;
 };
 
-// The folder that all outputs have in common: where the run is recorded. Throws UsageError where there is none.
+// Returns the folder that all outputs have in common, where the run is recorded. Throws UsageError where there is none.
 std::string run_folder(std::span<const RenderOptions> renders);
 
-// What is recorded of a render: all that was given and says what is made, and hashes of the files that it is made from
-// (of a .gltf without its buffers). Files in the folder are named from there.
+// Returns the record of a render: all given options that say what is made, and hashes of its input files (of a .gltf
+// without its buffers). Files in the folder have relative paths.
 Json job_of(const RenderOptions& options, const std::string& folder);
 
-// Where I is the remainder of their place divided by N: single pictures of a list. Every shard has frames of a sequence.
+// Returns whether a single picture of a list belongs to a shard: index modulo N is I. Sequences belong to all.
 bool is_of_shard(size_t job, Shard shard);
 
-// The options of one frame's picture as its sidecar has them; of a single picture the job's own.
+// Returns the options of one frame's picture as its sidecar has them; for a single picture, the job's own.
 Json picture_options(const Json& job, std::optional<uint32_t> frame);
 
-// Whether a picture is there whole, and drawn by this program with these options; the sidecar, if so.
+// Returns the sidecar if this program made the complete picture with these options.
 std::optional<Json> made_picture(const std::string& picture, const Json& options);
 
-// All pictures of the run. `reads_all`: those that have not the bytes that were written are missing, too.
+// Returns all pictures of the run. `reads_all`: pictures without the bytes that were written also count as missing.
 std::vector<RunPart> picture_parts(const RunRecord& run, bool reads_all);
 
-// Writes the statistics of sequences, where they were asked for, from the sidecars of a run that is whole.
+// Writes the requested statistics of sequences from the sidecars of a complete run.
 void gather_stats(const RunRecord& run);
 
 }  // namespace sideray::cli

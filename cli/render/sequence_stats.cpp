@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 constexpr uint64_t most_bytes = uint64_t{8} << 30;
 constexpr std::chrono::seconds between_saves{2};
 
-// Of a line of the file; empty where it is no frame's.
+// Returns the frame of a line; empty where the line belongs to none.
 std::optional<uint32_t> frame_of(const std::string& line) {
   const Json json = Json::parse(line, nullptr, false);
   if (!json.is_object() || !json.contains("frame") || !json.contains("stages_ms")) return {};

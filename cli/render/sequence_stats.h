@@ -1,4 +1,4 @@
-// The stats of a sequence: one object a line, in the order of frames. Main thread.
+// Writes the stats of a sequence: one object a line, in the order of frames. Main thread.
 #pragma once
 
 #include <chrono>
@@ -14,14 +14,14 @@ class SequenceStats {
  public:
   explicit SequenceStats(std::string path) : path_(std::move(path)) {}
 
-  // Takes the lines that the file holds of frames that `is_there`; others, cut off or of frames that are gone, are left
-  // out. Throws Error where the file cannot be read.
+  // Takes those lines of the file whose frames `is_there` accepts; skips lines that are cut off or of other frames.
+  // Throws Error where the file cannot be read.
   void restore(const std::function<bool(uint32_t)>& is_there);
 
   bool has(uint32_t frame) const { return lines_.contains(frame); }
-  // Rewrites the file now and then: a run that is killed loses the lines of the last moments alone.
+  // Rewrites the file now and then, so that a killed run loses only its last lines.
   void add(uint32_t frame, nlohmann::ordered_json stats);
-  // Writes the file, whole or not at all.
+  // Writes the file, completely or not at all.
   void save();
 
  private:

@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* library_name = "libsideray_run.so";
 
-// Beside the program where it was built, in the library folder beside bin/ where it was installed.
+// Returns the path beside the program in a build, or in the library folder beside bin/ in an installation.
 std::string library_path() {
   namespace fs = std::filesystem;
   std::error_code error;
@@ -24,7 +24,7 @@ std::string library_path() {
               (folder.parent_path() / SIDERAY_LIBRARY_FOLDER / "sideray").string());
 }
 
-// The program may change its folder.
+// Returns an absolute path, since the program may change its working directory.
 std::string absolute(const std::string& path) {
   return path.empty() ? path : std::filesystem::absolute(path).string();
 }

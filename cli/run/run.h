@@ -1,4 +1,4 @@
-// `sideray run`: an unmodified OpenGL program with rays.
+// `sideray run`: adds rays to an unmodified OpenGL program.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ struct RunArguments {
   bool off = false, late = false;
 };
 
-// Becomes the program; returns only where it cannot.
+// Replaces this process by the program; returns only if that fails.
 int run_program(const RunArguments& arguments);
 
 }  // namespace sideray::cli

@@ -8,14 +8,14 @@ namespace {
 
 constexpr float largest_half = 65504.0f;
 
-// Distances, motion and ground truth: what a half float is too coarse for.
+// Returns whether a channel needs single floats: distances, motion and ground truth.
 bool is_single(const std::string& name) {
   constexpr std::string_view exact[] = {"motion.", "hitdist.", "first.", "glass.", "behind.", "refraction."};
   return name == "Z" || name.ends_with(".distance") ||
          std::any_of(std::begin(exact), std::end(exact), [&](std::string_view prefix) { return name.starts_with(prefix); });
 }
 
-// Masks are numbered by their lights; the one that many lights share is called "combined".
+// Returns the channel's name in files: masks get their light's name; the shared one is called "combined".
 std::string named_channel(const std::string& channel, const std::vector<std::string>& light_names) {
   for (const std::string prefix : {"shadow.", "hitdist."}) {
     if (!channel.starts_with(prefix) || channel == prefix + "combined") continue;
@@ -37,7 +37,7 @@ scenes::Plane plane_of(const sideray_channel& channel, size_t pixels) {
   const auto* values = static_cast<const float*>(channel.values);
   plane.values.assign(values, values + pixels);
   plane.type = is_single(plane.name) ? scenes::Plane::Type::single : scenes::Plane::Type::half;
-  // A finite radiance stays finite. NaN passes through: hiding it would hide a defect.
+  // Limits finite radiance to finite halfs. NaN passes: hiding it would hide a defect.
   if (plane.type == scenes::Plane::Type::half)
     for (float& v : plane.values)
       if (v > largest_half || v < -largest_half) v = v > 0 ? largest_half : -largest_half;

@@ -1,4 +1,4 @@
-// A rendered picture as an image file. Any thread.
+// Writes rendered pictures as image files. Any thread.
 #pragma once
 
 #include <sideray/sideray.hpp>
@@ -7,15 +7,15 @@
 
 namespace sideray::cli {
 
-// R, G, B, A and the chosen additional channels, those of lights by their names.
+// Returns R, G, B, A and the chosen additional channels, with the names of lights.
 scenes::Image image_of(const Picture& picture, const std::vector<std::string>& light_names,
                        const RenderOptions& options);
 
-// .exr: R, G, B, A and the chosen additional channels, those of lights by their names; .png: display values. Throws
+// Writes .exr: R, G, B, A and the chosen additional channels, with the names of lights; or .png: display values. Throws
 // Error.
 void write_picture(const Picture& picture, const std::vector<std::string>& light_names, const RenderOptions& options);
 
-// Whether the file holds a whole picture of that size. What was cut off, by a full disk for example, is none.
+// Returns whether the file holds a complete picture of that size, not one that a full disk cut off, for example.
 bool is_picture(const std::string& path, uint32_t width, uint32_t height);
 
 }  // namespace sideray::cli

@@ -1,4 +1,4 @@
-// The objects of a scene as people count them: a node with all of its primitives. Any thread.
+// Lists the objects of a scene as people count them: one for each node, with all its primitives. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 namespace sideray::cli {
 
 struct SceneObject {
-  std::string name;                // the node's
-  std::vector<uint32_t> surfaces;  // ids of its primitives
+  std::string name;                // name of the node
+  std::vector<uint32_t> surfaces;  // surface ids of its primitives
   bool translucent = false;
 };
 

@@ -27,7 +27,7 @@ float aspect_of(const RenderOptions& options) {
 struct ChosenCamera {
   sideray_camera camera;
   std::string name;             // for the stats
-  std::optional<size_t> index;  // of the content's, where it is one of them
+  std::optional<size_t> index;  // into the content's cameras, if it is one of them
 };
 
 sideray_camera projected(sideray_camera camera, const RenderOptions& options) {
@@ -51,7 +51,7 @@ ChosenCamera of_file(const Content& content, size_t index, const RenderOptions& 
   return {camera.camera, camera.name.empty() ? std::to_string(index) : camera.name, index};
 }
 
-// A name wins over an index.
+// Returns a camera's index; a name takes precedence over an index.
 size_t index_of_camera(const Content& content, const std::string& wanted) {
   for (size_t i = 0; i < content.cameras.size(); ++i)
     if (content.cameras[i].name == wanted) return i;
@@ -80,13 +80,13 @@ Renderer make_renderer(const RenderOptions& options) {
   desc.threads = options.threads;
   desc.isa = options.isa.empty() ? nullptr : options.isa.c_str();
   Result<Renderer> renderer = Renderer::create(desc);
-  // A device or instruction set that does not exist is a wrong option, not a failure of the machine.
+  // A device or instruction set that does not exist is wrong usage, not a failure of the machine.
   if (!renderer && renderer.error().status == SIDERAY_INVALID_ARGUMENT) throw UsageError(renderer.error().message);
   Renderer made = std::move(renderer).value();
   const sideray_device_info& device = made.device();
   if (std::string_view(device.gl) == "none" && *device.reason != '\0')
     print_warning(fmt::format("no OpenGL: rays alone draw (--gl none): {}", device.reason));
-  // Its fragment shaders have no gl_PrimitiveID, which the ids of opaque surfaces are made of.
+  // softpipe's fragment shaders lack gl_PrimitiveID, which ids of opaque surfaces need.
   if (std::string_view(device.renderer).starts_with("softpipe"))
     print_warning("OpenGL device softpipe: it draws no opaque surface; unset GALLIUM_DRIVER, or set it to llvmpipe");
   return made;
@@ -106,7 +106,7 @@ Content load(const RenderOptions& options) {
   }
 }
 
-// What pose() moves and a scene holds: all but cameras.
+// Returns what pose() changes in a scene: everything but cameras.
 std::vector<double> pose_of(const Content& content) {
   std::vector<double> pose;
   const auto add = [&](const auto& values) { pose.insert(pose.end(), std::begin(values), std::end(values)); };
@@ -145,7 +145,7 @@ std::vector<double> pose_of(const Content& content) {
   return pose;
 }
 
-// The animation as the stats name it.
+// Returns the animation's name for the stats.
 std::string played(const RenderOptions& options, const Content& content) {
   if (!options.animation.empty()) return options.animation;
   return content.animations.empty() ? "" : content.animations[0].name;
@@ -189,7 +189,7 @@ std::vector<bool> Session::ray_traced(const RenderOptions& options) const {
   }
 }
 
-// Modes that ignore the selection leave it as it is: a change would build everything anew.
+// Sets which objects have layers. Methods without layers keep the last choice, since a change would rebuild everything.
 void Session::select(const RenderOptions& options) {
   if (filled_ && options.translucency() != SIDERAY_TRANSLUCENCY_HYBRID) return;
   const std::vector<bool> traced = ray_traced(options);
@@ -217,12 +217,12 @@ void Session::move_to(const RenderOptions& options) {
   time_before_s_ = time_before_s;
   scene_.set_time(time_s_, time_before_s_);
   if (camera_index_) camera_ = projected(content_.cameras[*camera_index_].camera, options);
-  // A commit costs an update of everything that is traced, and a moving camera needs none.
+  // Commits only changes: a commit updates all acceleration structures, which a moving camera does not need.
   if (filled_ && (!content_.winds.empty() || pose_of(content_) != before)) scenes::move(scene_, content_);
   pose_ms_ = ms_since(start);
 }
 
-// What is not asked for is not opened: a plan alone needs no device.
+// Does not open a device, since a plan needs none.
 bool Session::draws_by_rays(const RenderOptions& options) const {
   if (renderer_) return std::string_view(renderer_->device().gl) == "none";
   return options.gl == "none";
@@ -258,8 +258,8 @@ sideray_device_info Session::device(const RenderOptions& options) {
   return renderer_->device();
 }
 
-// The stages of a picture with those that the session times itself. Only the first picture that traces builds; the later
-// ones would not run without it either.
+// Returns the stages of a picture with those that the session times. Only the first traced picture builds, but later
+// ones depend on that, so all report it.
 std::vector<sideray_stage_time> Session::stages_of(const Picture& picture) {
   std::vector<sideray_stage_time> stages = picture.stages();
   const auto stage = [&](sideray_stage wanted) -> sideray_stage_time& {

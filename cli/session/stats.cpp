@@ -20,12 +20,12 @@ Json device_json(const RenderRun& run) {
   return device;
 }
 
-// Whether the picture was drawn again to time it and to count its fragments.
+// Returns whether the picture was drawn again, to time it and to count its fragments.
 bool is_measured(const RenderRun& run) {
   return run.stats.repeats > 0;
 }
 
-// Whether the stage has a time in the picture itself: those of OpenGL would need a fence before and after each.
+// Returns whether the stage is timed in the picture itself; OpenGL's stages would need fences around them.
 bool is_timed_as_drawn(const sideray_stage_time& time) {
   switch (time.stage) {
     case SIDERAY_STAGE_LOAD:
@@ -61,7 +61,7 @@ Json raw_frame_json(const RenderRun& run) {
   return json;
 }
 
-// What translucency alone is counted by.
+// Adds counters that only translucency has.
 void add_translucency(const RenderOptions& options, const RenderRun& run, Json& json) {
   const sideray_render_stats& s = run.stats;
   const sideray_render_options& o = options.named.render();
@@ -114,7 +114,7 @@ Json stats_json(const RenderOptions& options, const RenderRun& run) {
   const bool exact = options.is_exact();
   const bool raytraced = !exact && options.translucency() == SIDERAY_TRANSLUCENCY_RAYTRACED;
   const bool traces = exact || raytraced || options.is_hybrid();
-  // An object from the start: nlohmann 3.11.2 leaves null broken where it becomes one and there is no memory.
+  // Starts as an object: nlohmann 3.11.2 leaves null broken where it becomes an object and memory runs out.
   Json json = Json::object();
   json["schema"] = 1;
   json["scene"] = {{"triangles", s.triangles},

@@ -14,7 +14,7 @@ using TruthJson = nlohmann::ordered_json;
 
 constexpr int opaque_category = 1, translucent_category = 2;
 
-// The matrix of a pinhole in pixels from the top left corner, row by row, and where the camera stands.
+// Returns a pinhole's matrix in pixels from the top left corner, row by row, and the camera's position.
 TruthJson camera_json(const sideray_camera& camera, uint32_t width, uint32_t height) {
   TruthJson json = TruthJson::object();
   json["world_from_camera"] = camera.world_from_camera;
@@ -63,7 +63,7 @@ TruthJson annotation_json(const SceneObject& node, const sideray_object_truth& t
           {"visible_fraction", truth.visible_fraction}};
 }
 
-// An annotation a line, so that people and line tools can read the file.
+// Writes an annotation on each line, for people and line tools.
 std::string truth_text(const TruthJson& image, const std::vector<TruthJson>& annotations) {
   const TruthJson categories = {{{"id", opaque_category}, {"name", "opaque"}},
                                   {{"id", translucent_category}, {"name", "translucent"}}};

@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Numbers as numbers, everything else as text.
+// Returns numbers as numbers, everything else as text.
 Json value_of(const std::string& text) {
   double value = 0;
   const char* end = text.data() + text.size();
@@ -23,7 +23,7 @@ Json value_of(const std::string& text) {
   return value;
 }
 
-// What the run found out about options that leave a choice.
+// Returns the outcome of options that leave a choice.
 Json found(const RenderOptions& options, const RenderRun& run) {
   Json json = Json::object();
   if (!run.camera.empty()) json["camera"] = run.camera;
@@ -32,7 +32,7 @@ Json found(const RenderOptions& options, const RenderRun& run) {
   if (run.device.gl) json["gl"] = run.device.gl;
   if (run.device.id) json["device"] = run.device.id;
   if (run.stats.threads != 0) json["threads"] = run.stats.threads;
-  // Of layers no more than the plan has a use for; surfaces along a ray are a limit, whatever there is to hit.
+  // States as many layers as the plan uses. The surfaces along a ray are a limit, whatever there is to hit.
   if (run.layers && options.is_hybrid()) json["layers"] = *run.layers;
   if (run.ray_reuse && options.named["ray-reuse"] == "auto")
     json["ray-reuse"] = value_of(fmt::format("{}", static_cast<double>(*run.ray_reuse)));

@@ -1,4 +1,4 @@
-// The "config" of the stats: every option as used, without those that the picture has no use for. Any thread.
+// Makes the "config" of the stats: every option as used, without those that do not affect the picture. Any thread.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

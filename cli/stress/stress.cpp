@@ -25,7 +25,7 @@ int list_cases() {
   return exit_ok;
 }
 
-// What a run of cases takes place with.
+// Holds the options of a run of cases.
 struct StressOptions {
   Given given;
   std::string folder;
@@ -69,7 +69,7 @@ std::string device_of(const Renderer& renderer) {
   return *info.version ? fmt::format("{}, OpenGL {}", info.renderer, info.version) : std::string(info.renderer);
 }
 
-// Says which cases have no rows because nothing draws the fragments that they are about.
+// Says which cases have no rows because nothing draws the fragments that they test.
 void tell_left_out(const std::vector<StressCase>& cases, const lab::StressStage& stage) {
   std::vector<std::string> names;
   for (const StressCase& c : cases)
@@ -91,7 +91,7 @@ int run_whole(const StressOptions& options) {
   return write_stress(options.folder, options.cases, rows, device_of(renderer));
 }
 
-// The cases of the shard; in a run of many tasks those that are missing.
+// Returns the cases of the shard; in a run of many tasks, only missing ones.
 std::vector<StressCase> cases_to_run(const StressOptions& options) {
   std::vector<StressCase> cases;
   for (size_t i = 0; i < options.cases.size(); ++i) {

@@ -1,4 +1,4 @@
-// `sideray stress`: sweeps to where methods fail, against closed forms; tables, failure maps and a page. Main thread.
+// `sideray stress`: sweeps to where methods fail, against closed forms; writes tables, maps and a page. Main thread.
 #pragma once
 
 #include "cli/options/options.h"
@@ -7,8 +7,8 @@ namespace sideray::cli {
 
 const Table& stress_table();
 
-// Runs the named cases, all where none is named, and returns the exit code: 1 where a default fails its bound. Throws
-// UsageError or Error.
+// Runs the named cases, or all, and returns the exit code: 1 where a default fails its bound. Throws UsageError or
+// Error.
 int stress(const std::vector<std::string>& names, const Given& given);
 
 }  // namespace sideray::cli

@@ -30,7 +30,7 @@ void write(const std::string& folder, const std::vector<StressCase>& cases, cons
   write_text(path("index.html"), lab::stress_page(cases, rows, device));
 }
 
-// One line a variant and measure of a case: how often it fails, and the row that fails by most.
+// Prints a line for each variant and measure of a case: how often it fails, and the row that fails by most.
 void print_table(const std::vector<StressCase>& cases, const std::vector<StressRow>& rows) {
   fmt::print("{:<16} {:>9}  {:<52} {}\n", "case", "fails", "variant (* default)", "measure: worst value");
   for (const StressCase& c : cases) {

@@ -1,4 +1,4 @@
-// The stress cases that shards run apart: a file a case, and the table and page of all of them. Main thread.
+// Handles stress cases that shards run separately: a file for each case, and the table and page of all. Main thread.
 #pragma once
 
 #include <optional>
@@ -9,19 +9,19 @@
 
 namespace sideray::cli {
 
-// The rows of one case as a program left them.
+// Holds the rows of one case that a program wrote.
 struct CaseFile {
   std::string program, device;
   std::vector<lab::StressRow> rows;
 };
 
-// DIR/rows/NAME.json
+// Returns DIR/rows/NAME.json.
 std::string case_file(const std::string& folder, const std::string& name);
 void save_case(const std::string& folder, const std::string& name, bool quick, const CaseFile& content);
-// Empty where it is not there, or of another kind of sweep.
+// Returns nothing where the file is missing, or of another kind of sweep.
 std::optional<CaseFile> restore_case(const std::string& folder, const std::string& name, bool quick);
 
-// Throws UsageError for a name that there is not; all cases where none is named.
+// Returns all cases if no names are given. Throws UsageError for an unknown name.
 std::vector<lab::StressCase> stress_cases_named(const std::vector<std::string>& names);
 
 // Writes results, maps and page, and prints the table. Returns the exit code: 1 where a default fails its bound.
@@ -31,9 +31,9 @@ int write_stress(const std::string& folder, const std::vector<lab::StressCase>& 
 RunRecord stress_run(const std::string& folder, const TaskShard& shard, const std::vector<lab::StressCase>& cases,
                      const Given& given);
 std::vector<RunPart> stress_parts(const RunRecord& run);
-// Writes the results of a run that is whole; returns the exit code. Throws Error.
+// Writes the results of a complete run; returns the exit code. Throws Error.
 int gather_stress(const RunRecord& run);
-// The same of cases whose files are all there and of this program; empty where they are not.
+// Does the same for cases whose files all exist and are of this program; otherwise returns nothing.
 std::optional<int> gather_cases(const std::string& folder, const std::vector<lab::StressCase>& cases, bool quick);
 
 }  // namespace sideray::cli

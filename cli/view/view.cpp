@@ -17,7 +17,7 @@ bool is_one_of(const char* name, std::initializer_list<const char*> names) {
   return std::any_of(names.begin(), names.end(), [&](const char* other) { return std::strcmp(name, other) == 0; });
 }
 
-// The window decides these itself.
+// Leaves out options that the window decides itself.
 bool keep_library(const sideray_option& row) {
   return !is_one_of(row.name, {"samples", "taa", "deadline", "reference"});
 }
@@ -27,7 +27,7 @@ bool keep_own(const OwnOption& own) {
                                   "env-rotate", "default-light", "gl", "device", "threads", "exposure", "tonemap"});
 }
 
-// What `render` would refuse is refused here, before there is a window.
+// Refuses what `render` would refuse, before there is a window.
 void check_as_render(const std::string& scene, Given given) {
   given["o"] = "view.png";
   SceneChecks().check(resolve_render(scene, given));

@@ -1,4 +1,4 @@
-// `sideray view`: checks what was asked for, and becomes the window, which is a program of its own.
+// `sideray view`: checks the options, and becomes the window, which is a program of its own.
 #pragma once
 
 #include "cli/options/options.h"
@@ -7,7 +7,7 @@ namespace sideray::cli {
 
 const Table& view_table();
 
-// Returns only where there is no window: throws UsageError.
+// Returns only if there is no window: throws UsageError.
 int view(const std::string& scene, const Given& given);
 
 }  // namespace sideray::cli

@@ -1,5 +1,5 @@
-// Headless OpenGL contexts: EGL devices, EGL surfaceless, OSMesa (loaded at run time); gl/resources/host_context.h has
-// one more. One thread at a time.
+// Declares headless OpenGL contexts: EGL devices, EGL surfaceless, and OSMesa, which is loaded at run time.
+// A host's context is in gl/resources/host_context.h. One thread at a time.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@
 
 namespace sideray::gl {
 
-enum class Platform { egl_device, egl_surfaceless, osmesa, host, none };  // none: rays alone draw
+enum class Platform { egl_device, egl_surfaceless, osmesa, host, none };  // none: rays draw everything
 
 enum class Profile { core, compatibility };
 
@@ -23,7 +23,7 @@ struct DeviceInfo {
   int index = 0;  // among the EGL devices
   std::string renderer, version;
   bool usable = false;
-  std::string reason;  // why not, and the remedy
+  std::string reason;  // says why it is not usable, and the remedy
 };
 
 // Tries each candidate to the end (a context is made and destroyed), since enumeration alone proves nothing. Leaves
@@ -42,19 +42,19 @@ class Context {
   static std::unique_ptr<Context> create(const std::string& choice, const std::string& device,
                                          Profile profile = Profile::core);
 
-  // Whatever context the thread had is released first, also one of the other platform. A host's context is current
-  // already: its state is put aside, and put back on release.
+  // Releases whatever context the thread had, also one of the other platform. A host's context is current already: its
+  // state is saved, and restored on release.
   virtual void make_current() = 0;
   virtual void release_current() = 0;
-  // Throws Failure (INVALID_ARGUMENT) where something is under way in the context that drawing would disturb.
+  // Throws Failure (INVALID_ARGUMENT) where the context has something active that drawing would disturb.
   virtual void require_drawable() const {}
   const Functions& functions() const { return functions_; }
   const DeviceInfo& info() const { return info_; }
   static void* get_proc_address(void* context, const char* name);
 
-  // Messages of type error that the driver reported since the last call (KHR_debug); empty = none. The first 64 are
-  // kept. With SIDERAY_GL_DEBUG set, a message is there before the call that caused it returns; else perhaps later. Of a
-  // host's context, whose debug output is the host's, the error that OpenGL has.
+  // Returns the error messages that the driver reported since the last call (KHR_debug), at most the first 64. With
+  // SIDERAY_GL_DEBUG set, a message is there before the call that caused it returns; without, perhaps later. For a
+  // host's context, whose debug output is the host's, returns what glGetError has.
   virtual std::vector<std::string> take_errors();
 
  protected:

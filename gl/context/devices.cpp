@@ -29,7 +29,7 @@ DeviceInfo absent(const std::string& id, const std::string& reason) {
   return info;
 }
 
-// Finds the reason that libglvnd does not give: it passes over a vendor whose library does not load without a message.
+// Returns why no NVIDIA device is listed: libglvnd silently skips a vendor whose library does not load.
 std::string nvidia_reason() {
   // The library is never closed again: unloading a driver whose threads or keys may live on is not safe.
   if (dlopen("libEGL_nvidia.so.0", RTLD_LAZY | RTLD_LOCAL) == nullptr) {
@@ -43,7 +43,7 @@ std::string nvidia_reason() {
          "/usr/share/glvnd/egl_vendor.d, or name it in __EGL_VENDOR_LIBRARY_FILENAMES";
 }
 
-// Returns hardware that the kernel shows and no EGL driver offers.
+// Returns hardware that the kernel shows but no EGL driver offers.
 std::vector<DeviceInfo> unclaimed_hardware(const std::vector<DeviceInfo>& candidates) {
   namespace fs = std::filesystem;
   std::vector<DeviceInfo> found;
@@ -104,7 +104,7 @@ std::unique_ptr<Context> open_named(const std::vector<DeviceInfo>& candidates, c
        choice == "auto" ? "" : " with gl \"" + choice + "\"", known);
 }
 
-// Opens the first hardware renderer, or else the first in software.
+// Opens the first hardware renderer, or the first software one where there is none.
 std::unique_ptr<Context> open_best(const std::vector<DeviceInfo>& candidates, Profile profile) {
   std::unique_ptr<Context> fallback;
   std::string reasons;

@@ -30,8 +30,8 @@ struct Library {
   PFNEGLGETCURRENTDISPLAYPROC current_display = nullptr;
   PFNEGLGETPLATFORMDISPLAYEXTPROC platform_display = nullptr;
   PFNEGLQUERYDEVICESEXTPROC query_devices = nullptr;                // null where devices cannot be enumerated
-  PFNEGLQUERYDEVICESTRINGEXTPROC query_device_string = nullptr;     // likewise
-  PFNEGLQUERYDEVICEATTRIBEXTPROC query_device_attribute = nullptr;  // likewise
+  PFNEGLQUERYDEVICESTRINGEXTPROC query_device_string = nullptr;     // null likewise
+  PFNEGLQUERYDEVICEATTRIBEXTPROC query_device_attribute = nullptr;  // null likewise
   std::string client_extensions;
   std::string reason;  // why the library cannot be used at all
 };
@@ -67,7 +67,7 @@ void find_extension(const Library& egl, const char* name, Function& function) {
   function = reinterpret_cast<Function>(egl.get_proc_address(name));
 }
 
-// Tells that there is no vendor file: libglvnd has no drivers of its own; vendor files name them.
+// Says that no vendor file leads to a driver; libglvnd has no drivers of its own.
 std::string no_vendor_reason() {
   for (const char* name : {"__EGL_VENDOR_LIBRARY_FILENAMES", "__EGL_VENDOR_LIBRARY_DIRS"})
     if (const char* value = std::getenv(name))
@@ -106,7 +106,7 @@ void load(Library& egl) {
   loaded_library = &egl;
 }
 
-// The library is loaded once and kept: unloading a driver that has made contexts is not safe.
+// Returns the library, which stays loaded: unloading a driver that has made contexts is not safe.
 const Library& library() {
   static const Library& loaded = *[] {
     auto* egl = new Library;
@@ -143,8 +143,8 @@ std::string error_name(EGLint code) {
   }
 }
 
-// Binds the API of OpenGL in its scope: the API that eglMakeCurrent(none) and eglGetCurrentContext apply to is per
-// thread, and the host may use another.
+// Binds the OpenGL API within its scope. eglMakeCurrent(none) and eglGetCurrentContext apply to the API that the thread
+// has bound, and the host may have bound another.
 class OpenglApi {
  public:
   explicit OpenglApi(const Library& egl) : egl_(egl), saved_(egl.query_api()) { egl_.bind_api(EGL_OPENGL_API); }
@@ -168,11 +168,11 @@ std::vector<EGLDeviceEXT> devices(const Library& egl) {
 
 struct DeviceName {
   std::string id;
-  std::string node;  // in /dev/dri; empty where it has none
+  std::string node;  // in /dev/dri; empty where the device has none
   bool software = false;
 };
 
-// Names a device. Every string may be null. Names that stay the same when drivers enumerate differently are preferred.
+// Names a device; prefers names that stay the same when drivers enumerate in another order. Every string may be null.
 DeviceName name_device(const Library& egl, EGLDeviceEXT device, int index) {
   DeviceName name;
   const std::string extensions = text(egl.query_device_string(device, EGL_EXTENSIONS));
@@ -229,7 +229,7 @@ EGLDisplay open_display(const Library& egl, const DeviceInfo& candidate) {
   }
   if (display == EGL_NO_DISPLAY)
     fail(SIDERAY_NO_DEVICE, "EGL gives no display ({}){}", error_name(egl.get_error()), remedy);
-  // eglTerminate never undoes this: displays belong to the whole process, so the host may be using the same one.
+  // eglTerminate is never called after this: displays belong to the whole process, so the host may use the same one.
   if (egl.initialize(display, nullptr, nullptr) == EGL_FALSE)
     fail(SIDERAY_NO_DEVICE,
          "EGL cannot start the driver ({}): it is missing or refuses (Mesa on Debian: "

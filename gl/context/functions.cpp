@@ -62,7 +62,7 @@ int context_version(const Functions& gl) {
   return 10 * major + minor;
 }
 
-// Returns whether the fixed function is gone. Profiles came with 3.2; before, an extension or a flag said so.
+// Returns whether the fixed function is gone. Profiles came with 3.2; before, an extension or a flag says so.
 bool is_core(const Functions& gl) {
   GLint bits = 0;
   if (gl.version >= 32) {
@@ -99,7 +99,7 @@ void use_older_framebuffers(Functions& gl) {
     gl.read_framebuffer = gl.draw_framebuffer = GL_FRAMEBUFFER;
 }
 
-// Copies extensions that OpenGL 3.0 took over to the new names, which are the only ones that callers know.
+// Copies entry points of extensions to the names of OpenGL 3.0, which are the only ones that callers use.
 void use_older_names(Functions& gl) {
   if (!has_framebuffers_of_3_0(gl)) {
     if (gl.EXT_framebuffer_object != 0) use_older_framebuffers(gl);
@@ -142,7 +142,7 @@ void require_capabilities(const Functions& gl) {
          gl.version_string, gl.renderer, missing);
 }
 
-// A null pointer proves absence (a non-null one proves nothing): wglGetProcAddress, for one, knows no OpenGL 1.1.
+// A null pointer proves that the loader lacks it, as wglGetProcAddress lacks OpenGL 1.1; a non-null one proves nothing.
 void require_entry_points(const Functions& gl) {
   const struct {
     const char* name;

@@ -11,7 +11,7 @@
 namespace sideray::gl {
 namespace {
 
-// These are from GL/osmesa.h, whose package is not needed to build.
+// From GL/osmesa.h, whose package is not needed to build.
 enum : int {
   osmesa_format = 0x22,
   osmesa_depth_bits = 0x30,
@@ -30,7 +30,7 @@ struct Library {
   GLboolean (*make_current)(OsmesaContextPtr, void* buffer, GLenum type, GLsizei width, GLsizei height) = nullptr;
   OsmesaContextPtr (*current)() = nullptr;
   void (*(*get_proc_address)(const char* name))() = nullptr;
-  std::string reason;  // why it is not there
+  std::string reason;  // says why it cannot be used; empty where it can
   std::mutex mutex;    // OSMesa keeps unguarded globals
 };
 
@@ -44,7 +44,7 @@ bool find(void* handle, const char* name, Function& function) {
 
 void load(Library& library) {
   void* handle = nullptr;
-  std::string why;  // the newest one's message, which is to be installed
+  std::string why;  // the message for the newest version, which is the one to install
   for (const char* name : {"libOSMesa.so.8", "libOSMesa.so.6"}) {
     if (handle == nullptr) handle = dlopen(name, RTLD_NOW | RTLD_LOCAL);
     const char* error = handle == nullptr ? dlerror() : nullptr;
@@ -63,7 +63,7 @@ void load(Library& library) {
   is_loaded = complete;
 }
 
-// The library is loaded once and kept: unloading a driver that has made contexts is not safe.
+// Returns the library, which stays loaded: unloading a driver that has made contexts is not safe.
 Library& library() {
   static Library& loaded = *[] {
     auto* l = new Library;
@@ -73,7 +73,7 @@ Library& library() {
   return loaded;
 }
 
-// Returns why GALLIUM_DRIVER cannot be used: libOSMesa crashes where it names a driver that the library does not hold.
+// Returns why GALLIUM_DRIVER cannot be used: libOSMesa crashes where it names a driver that the library lacks.
 std::string driver_reason() {
   const char* value = std::getenv("GALLIUM_DRIVER");
   const std::string_view driver = value != nullptr ? value : "";

@@ -9,24 +9,23 @@
 
 namespace sideray::gl {
 
-// Lists what EGL offers here, not tried yet: devices (hardware first), then the surfaceless platform. An entry whose
-// reason is set cannot be opened.
+// Returns what EGL offers here without trying it: devices (hardware first), then the surfaceless platform. An entry
+// whose reason is set cannot be opened.
 std::vector<DeviceInfo> egl_candidates();
-bool egl_loads();  // libEGL itself, whatever drivers it finds
+bool egl_loads();  // whether libEGL itself loads, whatever drivers it finds
 DeviceInfo osmesa_candidate();
 
-// Open a context, which is current on return. They throw Failure (NO_DEVICE) whose message is the reason and the
-// remedy.
+// Open a context and make it current. They throw Failure (NO_DEVICE), whose message has the reason and the remedy.
 std::unique_ptr<Context> open_egl(const DeviceInfo& candidate, Profile profile);
 std::unique_ptr<Context> open_osmesa(const DeviceInfo& candidate, Profile profile);
 
-// Take whatever context the platform has current on this thread off it; do nothing where it has none or is not loaded.
-// Mesa's EGL and OSMesa share one current-context slot per thread and do not tell each other: each platform calls the
-// other's function before it binds a context, or its own binding would be a no-op on top of the other's context.
+// Release the context that the platform has current on this thread; do nothing where it has none or is not loaded.
+// Mesa's EGL and OSMesa share one current-context slot per thread without telling each other: each platform calls the
+// other's function before it binds a context, or its own binding would do nothing and leave the other's context.
 void egl_release_thread();
 void osmesa_release_thread();
 
-// These versions are requested, best first, as 10 * major + minor.
+// Versions to request, best first, as 10 * major + minor.
 inline constexpr int core_versions[] = {46, 45, 44, 43, 42, 41, 40, 33};
 
 bool debug_requested();  // environment variable SIDERAY_GL_DEBUG

@@ -1,5 +1,5 @@
-// Finds the fragments of the ray-traced surfaces for which the layer cache has an answer: counts them, and masks the
-// others for the second wave.
+// Tests which fragments of ray-traced surfaces find an answer in the layer cache: counts them, and masks those without
+// one for the second wave.
 #include "gl/passes/layer_truth.h"
 #include "gl/passes/raster_state.h"
 
@@ -43,7 +43,7 @@ FragmentCounts RasterState::count_fragments(const Translucency& pass) {
   return counts;
 }
 
-// Whole pixels take no layers: there, all fragments of what is traced are counted, and nothing else.
+// Counts fragments of traced surfaces: `all` in whole pixels, which take no layers, the other kinds elsewhere.
 uint64_t RasterState::count_fragments(const Translucency& pass, CountedFragments kind,
                                       const LayerTruthTextures* truth) {
   begin_pass({.depth_test = true, .color_write = false});

@@ -1,5 +1,5 @@
-// Distorts in screen space, as engines do: translucent surfaces that distort move what is seen of the opaque picture
-// behind them. This happens after the opaque picture is lit, before anything is blended over it.
+// Distorts in screen space, as engines do: surfaces with distortion shift the opaque picture that is seen through them.
+// Runs after the opaque picture is lit, before anything is blended over it.
 #include <vector>
 
 #include "gl/passes/raster_state.h"
@@ -12,7 +12,7 @@ constexpr uint32_t distortion_maps = base_color_map | normal_map;
 
 }  // namespace
 
-// The surfaces come in the order of the snapshot: sums of offsets do not depend on the view.
+// Keeps the order of the snapshot, so that sums of offsets do not depend on the view.
 std::vector<const Draw*> RasterState::visible_distorting() const {
   std::vector<const Draw*> found;
   for (const Draw& draw : scene->translucent())

@@ -1,11 +1,11 @@
-// Marks in the stencil the pixels that take the inexact shadow test: docs/foliage.md.
+// Marks in the stencil the pixels whose shadow rays take the inexact test: docs/foliage.md.
 #include "gl/passes/raster_state.h"
 #include "model/material.h"
 
 namespace sideray::gl {
 
-// Nothing is shaded: the same vertex text, an invariant position and equal depth find again the very pixels that the
-// G-buffer shows of a surface, cut-outs regarded.
+// Shades nothing: with the same vertex shader, an invariant position and the depth test EQUAL it hits exactly the
+// pixels where the G-buffer shows the surface, cut-outs included.
 void RasterState::draw_inexact_marks(const InexactMarks& marks) {
   const bool marked = stencil_marked && marks.target == SIDERAY_TARGET_BIT;
   if (marked && !marks.rest) return;

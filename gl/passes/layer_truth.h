@@ -1,5 +1,4 @@
-// Uploads the true layers of each pixel as textures that a fragment shader searches. The thread whose context is
-// current calls it.
+// Uploads the true layers of each pixel as textures that a fragment shader searches. The context must be current.
 #pragma once
 
 #include "gl/context/functions.h"
@@ -8,8 +7,8 @@
 
 namespace sideray::gl {
 
-// Lists longer than a row are wrapped: element i is at (i % width, i / width). Throws Failure (UNSUPPORTED) where there
-// are more than the driver's textures hold.
+// Wraps lists that are longer than a row: element i is at (i % width, i / width). Throws Failure (UNSUPPORTED) where
+// the driver's textures cannot hold all elements.
 struct LayerTruthTextures {
   LayerTruthTextures(const Functions& gl, const LayerTruth& truth);
 

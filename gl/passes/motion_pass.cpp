@@ -1,5 +1,5 @@
-// Draws by how much what is seen moved since the frame before: the motion of the view over the whole picture, then the
-// instances that move by themselves over it.
+// Draws motion vectors since the frame before: the camera's motion over the whole picture, then over it the instances
+// that move by themselves.
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "gl/passes/raster_state.h"
@@ -15,8 +15,8 @@ glm::dmat4 without_jitter(const RasterView& view) {
   return result;
 }
 
-// For the sky a pixel's direction takes the place of its point, whose w is 1 over the distance: column 3 stands for the
-// depth of nothing, which all of them have.
+// Returns the matrix of the sky's motion, where a pixel's direction takes the place of its point and w is 1 over the
+// distance. All pixels of the sky have the depth that was cleared, so that column 3 includes it.
 glm::dmat4 sky_change(const RasterView& now, const glm::dmat4& before_from_local) {
   glm::dmat4 direction(1.0);
   direction[3] = glm::dvec4(-glm::dvec3(now.eye), 0.0);
@@ -89,7 +89,7 @@ const Program& RasterState::motion_program(const Draw& draw, const MotionMatrice
   return program;
 }
 
-// Equal depth and an invariant position find again the pixels that the G-buffer shows of an instance.
+// The depth test EQUAL and an invariant position select the pixels where the G-buffer shows an instance.
 void RasterState::draw_motion_of_instances(const MotionMatrices& matrices, const model::Snapshot& before) {
   const model::Snapshot& now = scene->snapshot();
   begin_pass({.depth_test = true});

@@ -1,11 +1,11 @@
-// The order that lists and peeling put fragments in: shaders/translucent/raster_order_key.glsl.
+// Numbers primitives for the order of fragments in lists and peeling: shaders/translucent/raster_order_key.glsl.
 #include <algorithm>
 
 #include "gl/passes/raster_state.h"
 
 namespace sideray::gl {
 
-// Orders primitives as rays do where depths are equal: the smaller surface id in front.
+// Orders primitives as rays do where depths are equal: the smaller surface id is in front.
 std::vector<RasterState::TranslucentItem> RasterState::numbered(std::vector<TranslucentItem> items) const {
   const auto sprites_begin =
       std::stable_partition(items.begin(), items.end(), [](const TranslucentItem& i) { return i.draw != nullptr; });

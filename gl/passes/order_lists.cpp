@@ -1,5 +1,5 @@
-// Keeps per-pixel lists of all fragments (Yang et al. 2010), sorted when they are resolved: exact, and the measure of
-// the other orders. Where they need more memory than may be used, the picture is drawn in bands of rows.
+// Keeps per-pixel lists of all fragments (Yang et al. 2010), which are sorted when they are resolved: exact, and the
+// measure of the other orders. Where they need more memory than allowed, draws the picture in bands of rows.
 #include <algorithm>
 
 #include "gl/passes/raster_state.h"
@@ -30,7 +30,7 @@ void RasterState::draw_listed(Items items, const Translucency& pass) {
       resolve_lists(first, rows);
       first += rows;
     } else if (lists->capacity() < most) {
-      // The lists get a quarter more than is needed now, so that the next frames of a sequence find room.
+      // Allocates a quarter more than is needed now, so that the next frames of a sequence fit.
       lists->grow(static_cast<uint32_t>(std::min<uint64_t>(most, uint64_t{wanted} * 5 / 4)));
     } else if (rows > 1) {
       rows = std::max(1u, static_cast<uint32_t>(uint64_t{rows} * most / wanted / 2));

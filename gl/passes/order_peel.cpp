@@ -1,5 +1,5 @@
-// Peels depths (Everitt 2001) by a total order of fragments, so that coplanar ones are all found: a step draws no more
-// than keys; then each fragment that a step found is shaded, once, and blended as sorted objects are.
+// Peels depths (Everitt 2001) by a total order of fragments, so that none of several coplanar ones is lost. A step
+// draws only keys; then the fragments that it found are shaded, each once, and blended as sorted objects are.
 #include "gl/passes/raster_state.h"
 #include "model/failure.h"
 
@@ -14,8 +14,8 @@ void RasterState::need_slices() {
   slices = std::make_unique<PeelSlices>(gl, targets);
 }
 
-// Primitives are drawn in the order of their numbers. Of equally deep ones the last stays, which is the next one in the
-// order from the back.
+// Draws primitives in the order of their numbers. Of equally deep fragments the last one remains, which is the next in
+// the order from the back.
 bool RasterState::peel(Items items, const Translucency& pass, uint32_t before, uint32_t slice) {
   begin_pass({.depth_test = true, .depth_write = true});
   slices->begin(slice);
@@ -31,7 +31,7 @@ bool RasterState::peel(Items items, const Translucency& pass, uint32_t before, u
   return any != 0;
 }
 
-// The slice's depth lets no other fragment of a pixel be shaded, except for coplanar ones, whose keys differ.
+// The depth test EQUAL lets only the slice's fragment be shaded, and coplanar ones, which their keys reject.
 void RasterState::draw_slice(Items items, const Translucency& pass, uint32_t slice) {
   begin_pass({.depth_test = true, .blend_dual_source = true});
   gl.DepthFunc(GL_EQUAL);
@@ -40,8 +40,7 @@ void RasterState::draw_slice(Items items, const Translucency& pass, uint32_t sli
   draw_translucent_items(items, pass, FragmentOrder::slice);
 }
 
-// Peels from the back: each slice is blended into the picture as it is found, and two of them are enough for any
-// number.
+// Peels from the back: each slice is blended into the picture as soon as it is found, so that two slices are enough.
 void RasterState::draw_peeled(Items items, const Translucency& pass) {
   need_slices();
   begin_pass({});

@@ -17,8 +17,8 @@ const Functions& checked(const Functions& gl) {
   return gl;
 }
 
-// Returns how far away a box is from the eye, in halves of octaves: its nearest point, and further where it is large,
-// since walls around the eye are mostly behind what they hold.
+// Returns the distance from the eye to a box in steps of half an octave. Half the box's radius is added, since walls
+// around the eye are mostly behind what they enclose.
 float octave_half(glm::vec3 eye, const model::Bounds& bounds) {
   const glm::vec3 nearest = glm::clamp(eye, bounds.minimum, bounds.maximum);
   const float distance = glm::length(nearest - eye) + 0.5f * bounds.radius();
@@ -97,9 +97,9 @@ void RasterState::set_view_uniforms(const Program& program) const {
   program.set("orthographic", static_cast<int>(view.orthographic));
 }
 
-// Returns the opaque draws in sight, the nearest first, since fragments behind what is drawn already are not shaded: of
-// the built-in bistro 1.3 fragments a pixel are, instead of 2.6. Those about as far away stay in the scene's order,
-// which keeps programs and materials together, and of equal surfaces in one place always the same is seen.
+// Returns the opaque draws in sight, the nearest first, since fragments behind drawn ones are not shaded: in the
+// built-in bistro 1.3 fragments a pixel instead of 2.6. Draws about equally far away stay in the scene's order, which
+// keeps programs and materials together, and decides which of several coinciding surfaces is seen.
 std::vector<const Draw*> RasterState::opaque_in_sight() const {
   std::vector<std::pair<float, const Draw*>> keyed;
   for (const Draw& draw : scene->opaque())
@@ -192,7 +192,7 @@ void RasterState::draw_mask(MaskKind kind, TracedSet set, bool with_sprites, boo
   gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
 }
 
-// This marks surfaces that are too small to be drawn too, because rays may hit them.
+// Also marks surfaces that are too small to be drawn, because rays may hit them.
 void RasterState::mark_others(TracedSet set, bool with_sprites) {
   gl.StencilMask(others_stencil_bit);
   gl.StencilFunc(GL_ALWAYS, static_cast<GLint>(others_stencil_bit), others_stencil_bit);
@@ -252,7 +252,7 @@ void RasterState::draw_light(bool shadows, const OcclusionTextures& masks) {
   draw_screen();
 }
 
-// Draws the whole pixels and marks them in the stencil; the frame is bound.
+// Draws the whole pixels and marks them in the stencil. The frame must be bound.
 void RasterState::draw_whole(const WholeTextures& whole) {
   begin_pass({.blend_dual_source = true, .stencil_test = true});
   const GLint none = 0;
@@ -268,7 +268,7 @@ void RasterState::draw_whole(const WholeTextures& whole) {
   gl.StencilMask(0xff);
 }
 
-// No fragment is shaded at a whole pixel; with nothing written to the stencil, drivers test it before they shade.
+// Skips fragments at whole pixels. Drivers test the stencil before they shade, as long as it is not written.
 void RasterState::leave_whole_out(const WholeTextures& whole) const {
   if (whole.transmittance == 0) return;
   gl.Enable(GL_STENCIL_TEST);

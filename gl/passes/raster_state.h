@@ -1,5 +1,5 @@
-// Declares what the rasterizer's passes share, and the passes themselves: raster_state.cpp implements the plain ones,
-// *_pass.cpp and order_*.cpp the others. The thread whose context is current calls them.
+// Declares the passes of the rasterizer and what they share; raster_state.cpp implements the plain passes, *_pass.cpp
+// and order_*.cpp the others. The context must be current.
 #pragma once
 
 #include <memory>
@@ -26,7 +26,7 @@ struct LayerTruthTextures;
 struct RasterState {
   explicit RasterState(const Functions& functions);
 
-  // Holds everything a pass's result depends on besides programs and bindings; each pass sets all of it.
+  // Holds the OpenGL state that a pass's result depends on, besides programs and bindings; each pass sets all of it.
   struct Pipeline {
     bool depth_test = false, depth_write = false, color_write = true, blend_dual_source = false, stencil_test = false;
   };
@@ -34,7 +34,7 @@ struct RasterState {
   void require_scene_and_targets() const;
   bool is_traced(const Draw& draw, TracedSet set) const;
   void draw_screen() const;
-  // Returns whether no pass of this view draws what has the bounds.
+  // Returns whether the passes of this view skip a box, because it is outside or too small.
   bool is_hidden(const model::Bounds& bounds) const {
     return is_outside(clip_from_local, bounds) || is_too_small(view, targets.height(), bounds);
   }
@@ -50,10 +50,10 @@ struct RasterState {
   void set_view_uniforms(const Program& program) const;
 
   void draw_gbuffer(bool marks_inexact);
-  void draw_thin(bool marks_inexact);  // lines and points into the G-buffer, within draw_gbuffer()
-  void clear_stencil();  // except for marks of the G-buffer pass; the frame is bound
+  void draw_thin(bool marks_inexact);  // draws lines and points into the G-buffer, within draw_gbuffer()
+  void clear_stencil();  // keeps the marks of the G-buffer pass; the frame must be bound
   void draw_mask(MaskKind kind, TracedSet set, bool with_sprites, bool marks_others);
-  // Draws the translucent surfaces that `takes` takes into the stencil.
+  // Draws the translucent surfaces that `takes` accepts into the stencil.
   template <typename Takes>
   void draw_coverage(const Takes& takes);
   void mark_others(TracedSet set, bool with_sprites);
@@ -74,20 +74,20 @@ struct RasterState {
   void draw_offsets(std::span<const Draw* const> surfaces);
   void draw_composite(uint32_t radiance_texture, uint32_t transmittance_texture);
   void draw_whole(const WholeTextures& whole);
-  // Lets the draws that follow leave whole pixels as they are, and ends that.
+  // Exclude whole pixels from the draws that follow, and include them again.
   void leave_whole_out(const WholeTextures& whole) const;
   void take_whole_in() const;
 
-  // Describes what the translucent pass draws in one step, one item after the other.
+  // Describes what the translucent pass draws in one step.
   struct TranslucentItem {
-    float distance;    // from the eye to its middle; for sprites, to the first one, along the view axis
+    float distance;    // from the eye: to an object's centre; of sprites, to the first one along the view axis
     const Draw* draw;  // null: sprites
     SpriteRun sprites{};
-    uint32_t first_number = 0;  // number of its first primitive; 0 where order does not need it
+    uint32_t first_number = 0;  // number of its first primitive; 0 where the order does not need it
   };
   using Items = std::span<const TranslucentItem>;
-  // Returns the items farthest first; where two are equally far, in the reverse of the order in which rays would hit
-  // them. Fills the buffer that the sprites among them are drawn from.
+  // Returns the items farthest first; equally far ones are in the reverse of the order in which rays would hit them.
+  // Fills the buffer that their sprites are drawn from.
   std::vector<TranslucentItem> sorted_translucent();
   std::vector<TranslucentItem> sorted_objects() const;
   bool has_sprites() const;
@@ -98,7 +98,7 @@ struct RasterState {
   void draw_sprites(const Program& program, const SpriteRun& run);
   void draw_translucent_object(const Draw& draw, FragmentOrder order);
 
-  // The passes below implement the orders that do not depend on how objects are sorted (order_*.cpp).
+  // Passes of the orders that do not depend on how objects are sorted (order_*.cpp).
   std::vector<TranslucentItem> numbered(std::vector<TranslucentItem> items) const;
   void set_order_uniforms(const Program& program) const;
   void draw_in_order(const Translucency& pass);
@@ -107,8 +107,8 @@ struct RasterState {
   uint32_t fill_lists(Items items, const Translucency& pass, uint32_t first, uint32_t rows);
   void resolve_lists(uint32_t first, uint32_t rows);
   void limit_rows(uint32_t first, uint32_t rows) const;
-  // Does one step of peeling: finds the next of the fragments in front of slice `before`, and writes it to `slice`.
-  // Returns false where there is none.
+  // Does one step of peeling: finds in each pixel the next fragment in front of slice `before`, and writes it to
+  // `slice`. Returns false where no pixel has one.
   bool peel(Items items, const Translucency& pass, uint32_t before, uint32_t slice);
   void draw_slice(Items items, const Translucency& pass, uint32_t slice);
   void need_slices();
@@ -122,14 +122,14 @@ struct RasterState {
 
   const Functions& gl;
   RasterPrograms programs;
-  std::unique_ptr<RasterScene> scene;  // these two are of the scene that is drawn (SceneOnGpu)
+  std::unique_ptr<RasterScene> scene;  // this and `lights` hold the scene that is drawn (SceneOnGpu)
   RasterSprites sprites;
   std::unique_ptr<RasterLights> lights;
   RasterTargets targets;
   DistortionTargets distortion;
   OpaqueLevels opaque_levels;
   TemporalTargets temporal;
-  std::unique_ptr<PeelSlices> slices;  // these two exist while they are used
+  std::unique_ptr<PeelSlices> slices;  // exist only while they are used, like `lists`
   std::unique_ptr<FragmentLists> lists;
   VertexArray screen;                     // empty: core profiles draw nothing without a vertex array
   std::vector<uint8_t> culled_instances;  // 1 = no ray hits it; by instance of the snapshot

@@ -1,11 +1,11 @@
-// Anti-aliases the finished picture over time, translucent surfaces included: their motion is taken to be that of the
-// opaque surface behind them.
+// Anti-aliases the finished picture over time. Translucent surfaces are part of it; their motion is taken to be that of
+// the opaque surface behind them.
 #include "gl/passes/raster_state.h"
 
 namespace sideray::gl {
 namespace {
 
-// Gives the distance of a clip-space position along an axis of `view`, times w of its local position.
+// Returns the row that gives a clip-space position's distance along the axis of `view`, times w of its local position.
 glm::vec4 distance_along(const RasterView& view, const glm::dmat4& view_from_local) {
   return glm::vec4(-glm::transpose(view_from_local * view.local_from_clip)[2]);
 }

@@ -1,10 +1,10 @@
-// Draws lines and points, one pixel wide, whatever the host has set.
+// Draws lines and points one pixel wide, whatever the host has set.
 #include "gl/passes/raster_state.h"
 
 namespace sideray::gl {
 namespace {
 
-// Keeps what decides how wide lines and points are, of a context that may be a host's.
+// Saves the state that sets the width of lines and points, in a context that may be a host's, and restores it.
 class WidthGuard {
  public:
   explicit WidthGuard(const Functions& gl) : gl_(gl) {

@@ -21,8 +21,8 @@ std::vector<RasterState::TranslucentItem> RasterState::sorted_objects() const {
   return items;
 }
 
-// Sprites lie in planes parallel to the picture: by depth their order is exact in every pixel. An object takes the
-// place of its middle in that order, but never comes before one that is farther by the objects' own order.
+// Orders sprites by depth, which is exact in every pixel, since they lie in planes parallel to the picture. An object
+// is placed among them by the depth of its centre, but objects keep their own order.
 std::vector<RasterState::TranslucentItem> RasterState::sorted_translucent() {
   const std::vector<TranslucentItem> objects = sorted_objects();
   if (!has_sprites()) return objects;
@@ -75,7 +75,7 @@ void RasterState::bind_cache(const Program& program, const Translucency& pass) {
   }
 }
 
-// The drivers that have fewer texture units than the picture needs draw what is straight behind.
+// Returns false on drivers with too few texture units: they draw what is straight behind the surface.
 bool RasterState::bends_aside(const Draw& draw, const Translucency& pass) const {
   return pass.aside && gl.texture_units > static_cast<int>(unit::opaque_levels) &&
          model::bends_light(scene->material(draw).desc);

@@ -1,5 +1,5 @@
-// Keeps a host's OpenGL errors and our own apart within its scope. One thread makes every call, with the context
-// current.
+// Keeps the OpenGL errors of a host and of our own calls apart within its scope. One thread makes every call, with the
+// context current.
 #pragma once
 
 #include <array>
@@ -9,10 +9,9 @@
 
 namespace sideray::gl {
 
-// An error that is pending at the beginning is the host's: it is taken away, and put back at the end by causing an
-// error of the same kind (a stack error comes back as GL_INVALID_OPERATION; a debug callback is called once more).
-// Errors that our calls raise in between are ours: they never get out. A lost context raises its error at every call,
-// so that one is not put back.
+// Takes an error that is pending at the beginning, which is the host's, and at the end raises one of the same kind
+// again (a stack error becomes GL_INVALID_OPERATION; a debug callback is called once more). Errors of our own calls in
+// between never reach the host. The error of a lost context is not raised again, since every call raises it anyway.
 class ErrorGuard {
  public:
   explicit ErrorGuard(const Functions& gl);
@@ -20,11 +19,11 @@ class ErrorGuard {
   ErrorGuard(const ErrorGuard&) = delete;
   ErrorGuard& operator=(const ErrorGuard&) = delete;
 
-  // Takes the errors that our calls have raised since the last time, and returns the first of them, GL_CONTEXT_LOST
-  // before all others. GL_NO_ERROR = none.
+  // Takes the errors that our calls have raised since the last time, and returns the first, or GL_CONTEXT_LOST if it is
+  // among them. GL_NO_ERROR = none.
   GLenum take() const;
-  // Takes errors likewise, and throws Failure (OUT_OF_MEMORY, GL_FAILED) where there are any. `what` names what failed,
-  // for the message.
+  // Takes errors in the same way, and throws Failure (OUT_OF_MEMORY, GL_FAILED) where there are any. `what` names the
+  // failed operation in the message.
   void check(const char* what) const;
 
  private:

@@ -10,7 +10,7 @@
 namespace sideray::gl {
 namespace {
 
-// One pixel with a stencil buffer, which queries of the stencil state need.
+// Holds one pixel with a stencil buffer, which queries of the stencil state need.
 struct StencilTarget {
   explicit StencilTarget(const Functions& gl) : renderbuffer(gl), framebuffer(gl) {
     const FramebufferGuard host(gl);

@@ -1,5 +1,5 @@
-// A host's OpenGL context as the renderer uses it: never made current, never destroyed; what the host has set is put
-// aside while the renderer is in a call. One thread, on which the host's context is current in every call.
+// Wraps a host's OpenGL context for the renderer: never made current, never destroyed; its state is saved during the
+// renderer's calls. One thread, on which the host's context is current in every call.
 #pragma once
 
 #include <memory>
@@ -8,7 +8,7 @@
 
 namespace sideray::gl {
 
-// Throws Failure (UNSUPPORTED) below OpenGL 3.3. `get_proc_address` is called in here alone.
+// Throws Failure (UNSUPPORTED) below OpenGL 3.3. Calls `get_proc_address` only within this function.
 std::unique_ptr<Context> host_context(GetProcAddress get_proc_address, void* user);
 
 }  // namespace sideray::gl

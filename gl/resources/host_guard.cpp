@@ -7,7 +7,7 @@
 namespace sideray::gl {
 namespace {
 
-// Of those that a fragment shader has, as many as the rasterizer ever uses.
+// The rasterizer uses at most so many of a fragment shader's texture units.
 constexpr uint32_t most_units = 32;
 constexpr uint32_t uniform_points = 3;  // raster_programs.h: block
 constexpr uint32_t storage_points = 2;

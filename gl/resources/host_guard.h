@@ -1,6 +1,6 @@
-// Keeps a renderer's call and a host's OpenGL state apart: within its scope all state that the rasterizer's passes set
-// or depend on has its initial value, behind it every bit is as the host left it. Needs the host's context, OpenGL 3.3
-// or later, current in every call, on one thread.
+// Separates a renderer's call from a host's OpenGL state: within its scope all state that the rasterizer's passes set
+// or depend on has its initial value, and at its end every bit is as the host left it. Needs the host's context, OpenGL
+// 3.3 or later, current in every call, on one thread.
 #pragma once
 
 #include <array>
@@ -14,8 +14,8 @@
 
 namespace sideray::gl {
 
-// Culling, polygon offset, depth ranges, the provoking vertex, the quality of derivatives, shader storage buffers
-// [0, 2) and, in compatibility contexts, the level bias of the texture units [0, unit_count).
+// Guards culling, polygon offset, depth ranges, the provoking vertex, the quality of derivatives, shader storage
+// buffers [0, 2) and, in compatibility contexts, the level bias of the texture units [0, unit_count).
 class RasterizationGuard {
  public:
   RasterizationGuard(const Functions& gl, uint32_t unit_count);
@@ -39,18 +39,18 @@ class RasterizationGuard {
 
 class HostGuard {
  public:
-  // `stencil_framebuffer` has a stencil buffer, as StencilGuard needs one.
+  // `stencil_framebuffer` must have a stencil buffer, for StencilGuard.
   HostGuard(const Functions& gl, uint32_t stencil_framebuffer);
 
-  // Takes the OpenGL error that our calls have raised since the last time; GL_NO_ERROR = none.
+  // Takes the OpenGL errors that our calls have raised since the last time and returns the first; GL_NO_ERROR = none.
   GLenum take_error() const { return errors_.take(); }
 
  private:
   struct BoundFramebuffer {
     BoundFramebuffer(const Functions& gl, uint32_t framebuffer) { gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer); }
   };
-  // In this order: errors are held around everything, and the queried stencil state depends on the framebuffer that
-  // is bound.
+  // The order matters: errors are kept apart around everything else, and the queried stencil state depends on the bound
+  // framebuffer.
   ErrorGuard errors_;
   FramebufferGuard framebuffers_;
   BoundFramebuffer stencil_;
@@ -62,8 +62,8 @@ class HostGuard {
   StencilGuard stencil_state_;
 };
 
-// Throws Failure (INVALID_ARGUMENT) where the host has something under way that draws of ours would count in, or be
-// refused for: a query of samples or primitives, or transform feedback.
+// Throws Failure (INVALID_ARGUMENT) where the host has something active that would count our draws or make them fail: a
+// query of samples or primitives, or transform feedback.
 void require_nothing_under_way(const Functions& gl);
 
 }  // namespace sideray::gl

@@ -45,8 +45,8 @@ uint32_t create_object(const Functions& gl, ObjectKind kind) {
   return id;
 }
 
-// A program that is deleted while it is current lives on until another one is used. NVIDIA's driver (580.159.04) then
-// reads memory that it has freed in one of the next draws, and crashes where it compiles shaders meanwhile:
+// Unbinds the program first: a current program lives on until another one is used. NVIDIA's driver (580.159.04) then
+// reads memory that it has freed in one of the next draws, and crashes if shaders are compiled meanwhile:
 // docs/limits.md.
 static void delete_program(const Functions& gl, GLuint id) {
   GLint current = 0;
@@ -96,7 +96,7 @@ Fence::Fence(const Functions& gl) : gl_(&gl), issued_(true) {
   gl.Flush();
 }
 
-// Only one query of samples can be active, and that may be the host's.
+// Does nothing while another query of samples is active, which may be the host's: only one can be.
 void Fence::begin_query() {
   GLint under_way = 0, of_any_samples = 0;
   gl_->GetQueryiv(GL_SAMPLES_PASSED, GL_CURRENT_QUERY, &under_way);
@@ -138,7 +138,7 @@ bool Fence::wait_for_query(uint64_t timeout_ns) const {
   if (!query_) return true;
   const Clock::time_point end = Clock::now() + std::chrono::nanoseconds(timeout_ns);
   for (;;) {
-    GLuint there = GL_TRUE;  // a lost context answers nothing: the next mapping fails
+    GLuint there = GL_TRUE;  // a lost context writes no result: the next mapping fails
     gl_->GetQueryObjectuiv(query_.id(), GL_QUERY_RESULT_AVAILABLE, &there);
     if (there == GL_TRUE) return true;
     if (Clock::now() >= end) return false;

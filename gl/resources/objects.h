@@ -1,5 +1,5 @@
-// Owns single OpenGL names: move-only, deleted at the end of their scope. Knows the function table only. Creating,
-// resetting and destroying need the context of that table current on the calling thread; abandon() does not.
+// Owns single OpenGL names: move-only, deleted at the end of their scope. Creating, resetting and destroying need their
+// context current on the calling thread; abandon() does not.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +14,13 @@ enum class ObjectKind { texture, buffer, framebuffer, renderbuffer, vertex_array
 uint32_t create_object(const Functions& gl, ObjectKind kind);
 void delete_object(const Functions& gl, ObjectKind kind, uint32_t id);
 
-// The function table must outlive the object: it is kept by address.
+// Keeps the address of the function table, which must outlive the object.
 template <ObjectKind kind>
 class Object {
  public:
   Object() = default;
   explicit Object(const Functions& gl) : gl_(&gl), id_(create_object(gl, kind)) {}
-  // Takes over a name made elsewhere.
+  // Takes ownership of an existing name.
   Object(const Functions& gl, uint32_t id) : gl_(&gl), id_(id) {}
   ~Object() { reset(); }
   Object(Object&& other) noexcept : gl_(other.gl_), id_(std::exchange(other.id_, 0)) {}
@@ -41,7 +41,7 @@ class Object {
   void reset() {
     if (id_ != 0) delete_object(*gl_, kind, std::exchange(id_, 0));
   }
-  // Forgets the name without calling OpenGL and returns it, for a context that is gone.
+  // Gives up the name without calling OpenGL and returns it, for a context that is gone.
   uint32_t abandon() { return std::exchange(id_, 0); }
 
  private:
@@ -58,13 +58,13 @@ using Sampler = Object<ObjectKind::sampler>;
 using Query = Object<ObjectKind::query>;
 using ProgramObject = Object<ObjectKind::program>;
 
-// Holds a fence of ARB_sync, or an occlusion query whose result is available once it is reached. Empty until issued.
+// Holds a fence of ARB_sync, or an occlusion query that is available once the fence is reached. Empty until issued.
 class Fence {
  public:
   Fence() = default;
-  // Puts the fence into the command stream now, and flushes, so that it will be reached.
+  // Puts the fence into the command stream and flushes, so that the GPU reaches it.
   explicit Fence(const Functions& gl);
-  // Returns an empty fence where the driver gives none.
+  // Returns an empty fence where the driver cannot create one.
   static Fence try_issue(const Functions& gl);
   ~Fence() { reset(); }
   Fence(Fence&& other) noexcept : gl_(other.gl_) { *this = std::move(other); }
@@ -73,10 +73,10 @@ class Fence {
   Fence& operator=(const Fence&) = delete;
 
   explicit operator bool() const { return issued_; }
-  // Returns true when the commands before it are complete; at once where that cannot be known, for what is mapped then
-  // waits by itself. Throws Failure (GL_FAILED) where the context is lost.
+  // Returns whether the commands before the fence are complete; true without waiting where that cannot be known, since
+  // mapping a buffer waits anyway. Throws Failure (GL_FAILED) where the context is lost.
   bool wait(uint64_t timeout_ns) const;
-  // Returns false also where the wait itself fails.
+  // Does the same, but returns false where the wait itself fails.
   bool wait_or_give_up(uint64_t timeout_ns) const;
   void reset();
   void abandon();
@@ -88,10 +88,10 @@ class Fence {
   const Functions* gl_ = nullptr;
   bool issued_ = false;
   GLsync sync_ = nullptr;
-  Query query_;  // without ARB_sync; none where the host's own is active
+  Query query_;  // used without ARB_sync; empty where the host's own query is active
 };
 
-// Maps the first bytes of the buffer bound there, to read; null on failure. Waits for the commands that write them.
+// Maps the first bytes of the buffer bound to `target`; null on failure. Waits for the commands that write them.
 const void* map_to_read(const Functions& gl, GLenum target, uint64_t bytes);
 
 }  // namespace sideray::gl

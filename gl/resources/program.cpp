@@ -14,7 +14,7 @@ namespace {
 constexpr std::string_view source_marker = "// source ";
 constexpr int log_lines = 6;
 
-// "#line n" numbers the next line n from GLSL 3.30 on, n + 1 before.
+// Numbers the next line 1: "#line n" gives it the number n from GLSL 3.30 on, n + 1 before.
 std::string line_directive(int version, size_t source) {
   return fmt::format("#line {} {}\n", version >= 330 ? 1 : 0, source);
 }

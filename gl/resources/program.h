@@ -15,15 +15,15 @@
 
 namespace sideray::gl {
 
-// Lists what one shader is made of, in this order: #version, defines, the GLSL side of shading.h's dialect, the files.
+// Lists the parts of a shader, in this order: #version, defines, the GLSL side of shading.h's dialect, the files.
 struct ShaderSpec {
   std::vector<std::string> files;    // names in shaders/, for example {"shading.h", "light.frag.glsl"}
   std::vector<std::string> defines;  // "NAME" or "NAME value"
   std::string version = "330 core";
 };
 
-// Assembles a shader. Each file starts with a #line directive whose source number a driver's message is translated back
-// by. Throws Failure (INTERNAL) where a file does not exist.
+// Assembles a shader. Each file starts with a #line directive, whose source number identifies it in the driver's
+// messages. Throws Failure (INTERNAL) where a file does not exist.
 std::string assemble_shader(const ShaderSpec& spec);
 
 // Returns the macros that let shading.h compile as GLSL; every assembled text contains them.
@@ -37,7 +37,7 @@ class Program {
   Program(const Functions& gl, std::string name, const std::string& vertex_text, const std::string& fragment_text,
           const std::vector<std::string>& defines = {});
   Program(const Functions& gl, std::string name, const ShaderSpec& vertex, const ShaderSpec& fragment);
-  // One of a compute shader alone.
+  // Links a compute shader.
   Program(const Functions& gl, std::string name, const ShaderSpec& compute);
 
   uint32_t id() const { return object_.id(); }

@@ -150,7 +150,7 @@ RasterPrograms::Parts RasterPrograms::surface(bool wind, std::vector<std::string
   return parts;
 }
 
-// Completes the fragment shader of a surface in `order` by `file`, which ends in emit_translucent.
+// Adds `file`, which ends in emit_translucent, to the fragment shader of a surface that is drawn in `order`.
 RasterPrograms::Parts RasterPrograms::ordered(Parts parts, FragmentOrder order, const char* file) {
   parts.defines.push_back(fmt::format("SR_ORDER {}", static_cast<uint32_t>(order)));
   if (order != FragmentOrder::blended) parts.fragments.push_back("raster_order_key.glsl");
@@ -164,7 +164,7 @@ RasterPrograms::Parts RasterPrograms::ordered(Parts parts, FragmentOrder order, 
 
 const Program& RasterPrograms::translucent(Shading shading, FragmentOrder order, bool aside) {
   std::vector<std::string> defines = shaded_defines(shading);
-  const bool knows_live = gl_.software && gl_.version >= 45;  // elsewhere no gain was measured
+  const bool knows_live = gl_.software && gl_.version >= 45;  // elsewhere it was not measured to be faster
   if (knows_live) defines.emplace_back("SR_LIVE");
   std::vector<std::string> fragments{"shading.h", "raster_material.glsl", "raster_lighting.glsl", "sideray.glsl"};
   if (aside) {

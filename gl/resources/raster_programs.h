@@ -1,5 +1,5 @@
-// The rasterizer's programs, each compiled when it is first used, and the binding points that they agree on.
-// The context must be current.
+// Holds the rasterizer's programs, each compiled at its first use, and defines their binding points. The context must
+// be current.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +12,14 @@
 
 namespace sideray::gl {
 
-// Texture units. One sampler type each: two types on a unit are an error at the draw.
+// Texture units, each of one sampler type: two types on a unit are an error at the draw.
 namespace unit {
 inline constexpr uint32_t environment_specular = 0, environment_irradiance = 1, albedo_terms = 2;
 inline constexpr uint32_t directional_shadows = 3, local_shadows = 4;
-inline constexpr uint32_t layer_cache = 5;     // .. 7; the G-buffer resolve has what rays found there
+inline constexpr uint32_t layer_cache = 5;     // .. 7; the G-buffer resolve reads masks and other results of rays here
 inline constexpr uint32_t material = 8;        // .. 26; the G-buffer resolve and the composite use these too
-inline constexpr uint32_t order_keys = 27;     // of depth peeling, on drivers that have as many
-inline constexpr uint32_t many_lights = 28;    // where there are more than blocks hold, likewise
+inline constexpr uint32_t order_keys = 27;     // of depth peeling, on drivers that have so many units
+inline constexpr uint32_t many_lights = 28;    // for more lights than uniform blocks hold, likewise
 inline constexpr uint32_t tint_maps = 30;      // .. 31; likewise
 inline constexpr uint32_t opaque_levels = 29;  // of surfaces that bend light, likewise
 }  // namespace unit
@@ -28,26 +28,26 @@ namespace block {
 inline constexpr uint32_t material = 0, lights = 1, shadows = 2;
 }
 
-// Sets of textures have bit k set where slot k of model/material_slots.h may be present. Programs are made for few of
-// them: a surface takes the smallest of four that holds its own, or else everything that some surface of the scene has
-// (`scene_maps`); white textures fill the rest.
+// In a set of textures, bit k is set where slot k of model/material_slots.h may have one. To keep programs few, a
+// surface takes the smallest of four sets that holds its own, or else every slot that some surface of the scene has
+// (`scene_maps`); white textures fill the slots it lacks.
 inline constexpr uint32_t base_color_map = 0x0001, coat_maps = 0x0e00, sheen_maps = 0x3000, behind_maps = 0xc000,
                           film_maps = 0x30000, anisotropy_maps = 0x40000;
 uint32_t map_set_for(uint32_t maps, uint32_t scene_maps);
-// Slots that fit beside the other textures; what does not fit is drawn by its factors alone.
+// Returns the slots that fit beside the other textures; of the others only the factors are drawn.
 uint32_t available_maps(uint32_t texture_units);
 
-// Lobes beyond those of metallic-roughness, bits of the define SR_LOBES. Code, targets and cost of a lobe are there
-// only where some surface has it.
+// Lobes beyond metallic-roughness, bits of the define SR_LOBES. A lobe has code, targets and cost only where some
+// surface has it.
 namespace lobe {
 inline constexpr uint32_t coat = 1, sheen = 2, behind = 4;
-inline constexpr uint32_t count = 3;  // of those above: each takes a target of the G-buffer
+inline constexpr uint32_t count = 3;  // of the three above: each takes a target of the G-buffer
 inline constexpr uint32_t in_targets = coat | sheen | behind;
-inline constexpr uint32_t film = 8;         // makes f0 another: the G-buffer holds that of all surfaces
-inline constexpr uint32_t anisotropy = 16;  // the G-buffer's ids hold its direction and strength too
+inline constexpr uint32_t film = 8;         // changes f0, so that the G-buffer holds f0 for all surfaces
+inline constexpr uint32_t anisotropy = 16;  // the G-buffer's ids also hold its direction and strength
 }  // namespace lobe
 
-// What light on opaque pixels is made of, beside shadow maps.
+// Says what lights opaque pixels besides shadow maps.
 struct LightInputs {
   bool masks = false, answers = false;  // `answers`: some pixels have no masks
   bool tints = false, tint_maps = false;
@@ -59,7 +59,7 @@ struct Shading {
   bool wind = false;   // its vertices move: RasterScene::set_wind
 };
 
-// Where translucent fragments go: SR_ORDER of shaders/translucent/raster_order.glsl.
+// Says what a translucent fragment writes: SR_ORDER of shaders/translucent/raster_order.glsl.
 enum class FragmentOrder : uint32_t {
   blended = 0,
   slice = 1,
@@ -69,30 +69,30 @@ enum class FragmentOrder : uint32_t {
 
 struct SpriteShading {
   bool lit = false, soft = false;
-  bool hidden = false;  // behind surfaces that bend light, as the layer cache says
+  bool hidden = false;  // may be behind surfaces that bend light, which the layer cache tells
 };
 
-// The others look the layer cache up; misassigned: and the true layers; asking: for the second wave.
+// All but `all` look up the layer cache; misassigned also the true layers; asking requests the second wave.
 enum class CountedFragments { all, matched, missed, misassigned, asking };
 
 struct Coverage {
-  bool alpha = false;  // leaves absent fragments out
+  bool alpha = false;  // discards fragments in holes
   CountedFragments counted = CountedFragments::all;
   bool wind = false;
-  bool rest = false;    // writes where rays hit the surface
-  bool motion = false;  // writes by how much it moved
+  bool rest = false;    // writes the place where rays hit the surface
+  bool motion = false;  // writes motion vectors
 };
 
 class RasterPrograms {
  public:
   explicit RasterPrograms(const Functions& gl) : gl_(gl) {}
 
-  // Whether programs read lights from a texture, from now on.
+  // Sets whether programs read lights from a texture, from now on.
   void set_many_lights(bool many) { many_lights_ = many; }
 
-  // `holes`: of surfaces that may have some. Drivers test depth before they shade a surface that has none.
+  // `holes`: for surfaces that may have some. For other surfaces drivers test depth before they shade.
   const Program& gbuffer(Shading shading, bool holes);
-  // `aside`: of a surface that bends or blurs light, and looks for that in the opaque picture.
+  // `aside`: for a surface that bends or blurs light and looks up the opaque picture for it.
   const Program& translucent(Shading shading, FragmentOrder order, bool aside = false);
   const Program& coverage(Coverage variant);
   const Program& sprites(SpriteShading shading, FragmentOrder order);
@@ -103,10 +103,10 @@ class RasterPrograms {
   const Program& whole();
   const Program& motion_of_view();
   const Program& temporal();
-  // Offsets of surfaces that distort, and what the picture becomes by them.
+  // Draw the offsets of surfaces that distort, and the picture shifted by them.
   const Program& distort(uint32_t maps, bool wind);
   const Program& distort_picture();
-  // These the orders of order_*.cpp draw over the screen.
+  // Full-screen programs of the orders in order_*.cpp.
   const Program& peel_start();
   const Program& resolve_lists();
 
@@ -115,7 +115,7 @@ class RasterPrograms {
     std::vector<std::string> vertices, fragments, defines;
     const char* version = "330 core";
   };
-  // The vertex stage of programs that draw surfaces, in wind or not.
+  // Returns the vertex stage of programs that draw surfaces, in wind or not.
   static Parts surface(bool wind, std::vector<std::string> fragments, std::vector<std::string> defines);
   static Parts ordered(Parts parts, FragmentOrder order, const char* file);
   const Program& get(const std::string& name, const Parts& parts);

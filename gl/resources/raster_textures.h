@@ -1,5 +1,5 @@
-// Keeps the textures of a snapshot on the GPU: material images, environment, albedo table, and stand-ins where there is
-// none. The thread whose context is current calls it.
+// Keeps the textures of a snapshot on the GPU: material images, environment, albedo table, and placeholders for missing
+// ones. The context must be current.
 #pragma once
 
 #include <cstdint>
@@ -20,17 +20,17 @@ class RasterTextures {
  public:
   explicit RasterTextures(const Functions& gl);
 
-  // Uploads what `snapshot` uses and is not there yet, forgets what it no longer uses.
+  // Uploads the textures of `snapshot` that are not there yet, and frees those that it no longer uses.
   void set_scene(const model::Snapshot& snapshot);
 
   // Binds a texture; a white one where `texture` is null.
   void bind(uint32_t texture_unit, const model::Texture* texture, const sideray_texture_slot& slot);
   void bind_environment() const;
-  // Binds arrays of one empty texel where there is no layer cache.
+  // Binds arrays of one empty texel in place of a layer cache.
   void bind_empty_cache() const;
-  // Returns a shadow map of one texel, for samplers that must have something to sample.
+  // Returns a shadow map of one texel, for samplers without a map.
   uint32_t empty_shadow() const { return empty_shadow_.id(); }
-  // Binds a texture without a sampler object, so that its own parameters count.
+  // Binds a texture without a sampler object, so that its own parameters apply.
   void bind_plain(uint32_t texture_unit, uint32_t target, uint32_t texture) const;
 
   float environment_last_level() const { return environment_last_level_; }

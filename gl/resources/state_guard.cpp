@@ -17,7 +17,7 @@ uint32_t get_name(const Functions& gl, GLenum name) {
 
 // Bit masks need 64 bits: as 32-bit integers, drivers clamp ~0 to 0x7fffffff.
 uint32_t get_mask(const Functions& gl, GLenum name) {
-  if (!gl.sync) return get_name(gl, name);  // all the bits that a stencil buffer has
+  if (!gl.sync) return get_name(gl, name);  // fits: a stencil buffer has fewer bits
   GLint64 value = 0;
   gl.GetInteger64v(name, &value);
   return static_cast<uint32_t>(value);
@@ -56,7 +56,7 @@ void bind_buffer(const Functions& gl, GLenum target, uint32_t buffer) {
   gl.BindBuffer(target, buffer != 0 && gl.IsBuffer(buffer) == GL_TRUE ? buffer : 0);
 }
 
-// The names by which OpenGL knows the indexed points of a kind of buffer.
+// Names the enums of a kind of buffer with indexed binding points.
 struct IndexedPoint {
   GLenum target, binding, start, size;
 };
@@ -97,7 +97,7 @@ constexpr GLenum map_names[] = {GL_MAP_COLOR, GL_MAP_STENCIL, GL_INDEX_SHIFT, GL
 
 struct BufferTarget {
   GLenum name, binding;
-  bool Functions::*needs;  // null: nothing
+  bool Functions::*needs;  // the capability that it needs; null: none
 };
 
 constexpr BufferTarget buffer_targets[] = {{GL_ARRAY_BUFFER, GL_ARRAY_BUFFER_BINDING, nullptr},
@@ -112,7 +112,7 @@ bool has(const Functions& gl, const BufferTarget& target) {
 struct Capability {
   GLenum name;
   bool initial;
-  int version = 0;  // of OpenGL that introduced it, 0: before 2.1; or the extension that did
+  int version = 0;  // the OpenGL version that introduced it, 0: before 2.1; or the extension below
   int GladGLContext::*extension = nullptr;
   bool compatibility_only = false;  // unknown to core contexts
 };

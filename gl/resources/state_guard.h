@@ -1,8 +1,8 @@
-// Saves a group of OpenGL state and puts it back exactly at the end of the guard's scope, so that a call inside a
-// host's frame leaves no trace. One thread constructs and destroys each guard, with the context current. State that the
-// context does not have is left out. A name that another context deleted meanwhile cannot be bound again: 0 is bound
-// instead, without an OpenGL error. Under StatePolicy::leave nothing is read, and at the end of the scope the covered
-// state has the initial value, except for viewports and scissor boxes.
+// Saves a group of OpenGL state and restores it exactly at the end of the guard's scope, so that a call inside a host's
+// frame leaves no trace. One thread constructs and destroys each guard, with the context current. State that the
+// context does not have is skipped. If another context deleted a name meanwhile, 0 is bound instead, without an OpenGL
+// error. Under StatePolicy::leave nothing is read, and at the end of the scope the covered state has its initial value,
+// except for viewports and scissor boxes.
 #pragma once
 
 #include <array>
@@ -15,8 +15,7 @@ namespace sideray::gl {
 
 enum class StatePolicy : uint8_t { restore, leave };
 
-// Guards the read and draw framebuffer and the renderbuffer. A framebuffer's own draw and read buffers are not touched,
-// nor saved.
+// Guards the bindings of read and draw framebuffer and renderbuffer, but not a framebuffer's own draw and read buffers.
 class FramebufferGuard {
  public:
   explicit FramebufferGuard(const Functions& gl, StatePolicy policy = StatePolicy::restore);
@@ -29,9 +28,9 @@ class FramebufferGuard {
   uint32_t read_ = 0, draw_ = 0, renderbuffer_ = 0;
 };
 
-// Guards everything that changes pixels on their way in and out: pixel buffers, pixel store, colour clamping of reads,
-// and in compatibility contexts glPixelTransfer. In its scope all of it has the initial values: tightly packed but for
-// the alignment of 4, client memory, no scale, bias or maps.
+// Guards everything that changes pixels in transfers: pixel buffers, pixel store, colour clamping of reads, and in
+// compatibility contexts glPixelTransfer. In its scope all of it has the initial values: rows aligned to 4 bytes and
+// otherwise tightly packed, client memory, no scale, bias or maps.
 class PixelTransferGuard {
  public:
   explicit PixelTransferGuard(const Functions& gl, StatePolicy policy = StatePolicy::restore);
@@ -52,7 +51,7 @@ class PixelTransferGuard {
   std::array<int32_t, map_count> transfer_maps_{};
 };
 
-// Guards the active unit, and of the units [first, first + count) the 2D and 2D array textures and the sampler object.
+// Guards the active unit and, for units [first, first + count), the 2D and 2D array textures and the sampler object.
 class TextureGuard {
  public:
   TextureGuard(const Functions& gl, uint32_t first_unit, uint32_t count, StatePolicy policy = StatePolicy::restore);
@@ -69,13 +68,13 @@ class TextureGuard {
   std::vector<Unit> units_;
 };
 
-// Describes what an indexed point for buffers holds.
+// Holds the range that is bound to an indexed binding point.
 struct BufferRange {
   uint32_t buffer = 0;
   int64_t start = 0, size = 0;  // size 0: the whole buffer
 };
 
-// Guards the array, copy read, copy write and uniform buffer; of the uniform buffer also the indexed points [0,
+// Guards the array, copy read, copy write and uniform buffer bindings, and the indexed uniform bindings [0,
 // indexed_count).
 class BufferGuard {
  public:
@@ -104,7 +103,7 @@ class StorageGuard {
   std::vector<BufferRange> indexed_;
 };
 
-// Guards the program in use alone, for setting uniforms.
+// Guards only the program in use, for setting uniforms.
 class ProgramGuard {
  public:
   explicit ProgramGuard(const Functions& gl, StatePolicy policy = StatePolicy::restore);
@@ -119,8 +118,8 @@ class ProgramGuard {
 
 // Guards the state that a full-screen pass depends on: program, vertex array, viewports and scissors, and the
 // fixed-function state of rasterization, depth, blending and colour mask. In its scope the program and vertex array are
-// still the host's; the fixed-function state has the initial values, so that a pass sets only what it wants otherwise.
-// The stencil test is off; a pass that wants it, or clears stencil, takes a StencilGuard too.
+// still the host's; the fixed-function state has the initial values, so that a pass sets only what differs. The stencil
+// test is off; a pass that uses it, or clears stencil, takes a StencilGuard too.
 class DrawGuard {
  public:
   explicit DrawGuard(const Functions& gl, StatePolicy policy = StatePolicy::restore);
@@ -145,7 +144,7 @@ class DrawGuard {
   void neutralize() const;
   void restore_windows() const;
   void restore_fragment_tests() const;
-  // Compatibility contexts can clamp what fragments write to 0..1, also into floats.
+  // Returns whether the context can clamp fragment outputs to 0..1, even in float targets: compatibility contexts only.
   bool clamps_fragments() const { return !gl_.core_profile && gl_.clamp_read_color; }
 
   const Functions& gl_;
@@ -163,7 +162,7 @@ class DrawGuard {
   uint32_t clamp_fragment_ = 0;
 };
 
-// Guards stencil functions, operations and masks, not the test itself; in its scope they have the initial values. A
+// Guards stencil functions, operations and masks, but not the test itself; in its scope they have the initial values. A
 // framebuffer with a stencil buffer must be bound already: drivers return the reference value clamped to the bits of
 // the bound one.
 class StencilGuard {

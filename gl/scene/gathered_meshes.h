@@ -1,6 +1,6 @@
-// Keeps copies of meshes' positions in one vertex array, so that one call draws many of them: passes that need nothing
-// else of a surface have few triangles a draw, and drivers take longer for the draws than for the triangles. The context
-// must be current.
+// Keeps copies of meshes' positions in one vertex array, so that one call draws many of them: passes that need only
+// positions have few triangles a draw, and drivers take longer for the draws than for the triangles. The context must
+// be current.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace sideray::gl {
 
-// Instances as shaders/surface/raster_surface.vert.glsl reads their places: columns of local_from_object come first.
+// Describes the buffer of instances for shaders/surface/raster_surface.vert.glsl: local_from_object comes first.
 struct InstanceBuffer {
   uint32_t buffer;
   uint32_t stride_bytes;
@@ -25,13 +25,13 @@ class GatheredMeshes {
  public:
   explicit GatheredMeshes(const Functions& gl) : gl_(gl) {}
 
-  // Holds as many of these meshes as it has memory for, from OpenGL 4.3 on. It copies only where most of them are new,
-  // and not every time, so that meshes whose vertices move each time cost little: those it does not hold. Throws Failure
-  // (OUT_OF_MEMORY).
+  // Copies as many of these meshes as fit into its memory, from OpenGL 4.3 on. It copies only where more than half are
+  // new, and at most every eighth call, so that meshes whose vertices move each frame cost little: it seldom holds
+  // them. Throws Failure (OUT_OF_MEMORY).
   void set(std::span<const std::shared_ptr<const model::Mesh>> meshes, InstanceBuffer instances);
   bool holds(const model::Mesh* mesh) const { return places_.contains(mesh); }
 
-  // Adds a draw of a mesh that it holds; draw() then draws all that were added, with the program in use.
+  // Adds a draw of a mesh that is held; draw() then draws everything added, with the program in use.
   void add(const model::Mesh* mesh, uint32_t first_instance, uint32_t instance_count);
   void draw();
 
@@ -40,7 +40,7 @@ class GatheredMeshes {
     std::shared_ptr<const model::Mesh> mesh;
     uint32_t first_index, base_vertex;
   };
-  // glMultiDrawElementsIndirect reads these fields, in this order.
+  // Has the fields that glMultiDrawElementsIndirect reads, in this order.
   struct Command {
     uint32_t index_count, instance_count, first_index, base_vertex, first_instance;
   };

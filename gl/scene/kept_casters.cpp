@@ -15,7 +15,7 @@ bool same_memory(const T& a, const T& b) {
   return std::memcmp(&a, &b, sizeof(T)) == 0;
 }
 
-// The texture that cuts holes into what a material is on; null: none does.
+// Returns the texture that cuts holes into surfaces of a material; null: none does.
 const void* cut_out_by(const model::Snapshot& s, const model::Material& material) {
   const uint32_t texture = material.desc.base_color_texture.texture;
   return material.discards && texture != 0 ? s.textures[texture - 1].get() : nullptr;
@@ -26,7 +26,7 @@ bool blows_the_same(const model::Snapshot& a, const model::Snapshot& b, uint32_t
   return a.time_s == b.time_s && same_memory(a.winds[wind - 1], b.winds[wind - 1]);
 }
 
-// Bytes without a meaning may differ too: then something is drawn again that need not be.
+// Padding bytes may differ too, which only causes a redundant draw.
 bool casts_the_same(const model::Snapshot& a, const model::Snapshot& b, uint32_t instance) {
   const model::Instance &i = a.instances[instance], &k = b.instances[instance];
   if (!same_memory(i, k) || a.meshes[i.mesh] != b.meshes[k.mesh]) return false;
@@ -84,7 +84,7 @@ std::vector<uint32_t> CasterChanges::compare(const model::Snapshot& now) const {
   return places;
 }
 
-// Returns the places of what wind moves: the same surfaces are still elsewhere where it blows differently.
+// Returns the places of instances whose wind differs from that of the scene before, so that they have moved.
 std::vector<uint32_t> CasterChanges::swaying(const RasterScene& scene) const {
   std::vector<uint32_t> places;
   for (const Draw& draw : scene.opaque()) {

@@ -11,9 +11,9 @@ namespace sideray::gl {
 namespace {
 
 constexpr uint64_t most_kept_bits = uint64_t{1} << 28;  // layers times instances: two bits each, 64 MiB
-constexpr size_t lights_in_row = 256, texels_a_light = 8;  // of the texture of many lights
+constexpr size_t lights_in_row = 256, texels_a_light = 8;  // in the texture of many lights
 
-// Layout std140, as in shaders/light/raster_lighting.glsl.
+// Has the layout std140 of shaders/light/raster_lighting.glsl.
 struct LightRecord {
   glm::vec4 position_range, direction_inner, intensity_outer;
   glm::ivec4 type_map_layer_texel;
@@ -28,7 +28,7 @@ LightRecord record_of(const model::Light& light, const LightShadow& shadow) {
            std::bit_cast<int>(shadow.texel)}};
 }
 
-// Returns how far from a light something reaches: casters that reach less far often hide those that reach farther.
+// Returns the distance from a light to the far end of a box: casters that end nearer often hide those that end farther.
 float reach_from(const model::Light& light, const model::Bounds& bounds) {
   if (light.type != SIDERAY_LIGHT_DIRECTIONAL)
     return glm::length(glm::max(glm::abs(bounds.minimum - light.position), glm::abs(bounds.maximum - light.position)));
@@ -43,8 +43,8 @@ std::vector<const Draw*> casters_of(const RasterScene& scene) {
   return casters;
 }
 
-// Returns the casters with those first that hide others from the light: what fails the depth test writes nothing. What
-// stands still comes before what sways, since their programs differ.
+// Sorts casters by the distance at which they end, so that those that hide others from the light come first: fragments
+// that fail the depth test write nothing. Still casters precede those in wind, since their programs differ.
 std::vector<const Draw*> by_reach(std::span<const Draw* const> casters, const model::Light& light) {
   std::vector<std::tuple<bool, float, const Draw*>> keyed;
   keyed.reserve(casters.size());
@@ -160,13 +160,13 @@ void RasterLights::begin_pass() const {
   gl_.Enable(GL_DEPTH_TEST);
   gl_.DepthMask(GL_TRUE);
   gl_.DepthFunc(limits_.reversed_depth ? GL_GREATER : GL_LESS);
-  // One texel of slope and a few units of rounding; the lookup adds its offset along the normal.
+  // Moves depth by one texel of slope and a few units of rounding; the lookup adds its offset along the normal.
   gl_.Enable(GL_POLYGON_OFFSET_FILL);
   const float away = limits_.reversed_depth ? -1.0f : 1.0f;
   gl_.PolygonOffset(1.0f * away, 4.0f * away);
 }
 
-// Draws what the layer does not hold yet; `begin` is called before the first of it.
+// Draws the casters that the layer does not hold yet; calls `begin` before each.
 template <typename Begin>
 void RasterLights::draw_casters(LayerCasters& held, const Pass& pass, const Layer& layer,
                                 std::span<const Draw* const> order, const Begin& begin) {
@@ -210,7 +210,7 @@ void RasterLights::draw_casters(LayerCasters& held, const Pass& pass, const Laye
   }
 }
 
-// Depth tests make the same of casters in any order, so those that are wanted now join those that the layer holds.
+// Adds casters to those that the layer already holds: depth tests give the same result in any order.
 void RasterLights::draw_layer(const Maps& maps, LayerCasters& held, const Pass& pass, const Layer& layer,
                               std::vector<const Draw*>& order) {
   bool attached = false;
@@ -230,7 +230,7 @@ void RasterLights::draw_layer(const Maps& maps, LayerCasters& held, const Pass& 
   draw_casters(held, pass, layer, is_held ? casters_ : order, attach);
 }
 
-// A light's maps stay as they are where neither it nor what casts its shadows moved.
+// Keeps the content of a light's maps where neither the light nor its casters moved.
 void RasterLights::follow_casters(const RasterScene& scene) {
   const CasterChanges::Changes changes = changes_.take(scene);
   if (changes.all) return forget_shadow_maps();
@@ -258,8 +258,8 @@ void RasterLights::draw_shadow_maps(RasterScene& scene, RasterPrograms& programs
   const Pass pass{scene, programs, make_receivers(clip_from_local, seen), between};
   begin_pass();
   scene.forget_bindings();
-  // One framebuffer and one size at a time, the larger first. NVIDIA's driver (580.159) left the directional map empty
-  // in the first frame where it was attached after two point lights' maps of another size.
+  // Draws one framebuffer and one size at a time, the larger first. NVIDIA's driver (580.159) left the directional map
+  // empty in the first frame where it was attached after two point lights' maps of another size.
   draw_into(directional_, ShadowMap::directional, pass);
   draw_into(local_, ShadowMap::frustum, pass);
   draw_into(local_, ShadowMap::faces, pass);
@@ -282,7 +282,7 @@ void RasterLights::draw_into(Maps& maps, ShadowMap kind, const Pass& pass) {
     if (shadow.map != kind) continue;
     const model::Light& light = pass.scene.snapshot().lights[i];
     const ShadowCasters casters(light, shadow, pass.receivers);
-    std::vector<const Draw*> order;  // sorted where a layer is drawn anew
+    std::vector<const Draw*> order;  // filled once a layer is drawn anew
     for (uint32_t k = 0; k < shadow.clip_from_local.size(); ++k) {
       const uint32_t layer = shadow.first_layer + k;
       LayerCasters& held = keeps_ ? maps.casters[layer] : once_;
@@ -291,7 +291,7 @@ void RasterLights::draw_into(Maps& maps, ShadowMap kind, const Pass& pass) {
     }
     if (pass.between) pass.between();
   }
-  // Nothing may be attached that a later pass samples.
+  // A later pass samples the map, so it must not stay attached.
   gl_.FramebufferTextureLayer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, 0, 0, 0);
 }
 

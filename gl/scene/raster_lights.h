@@ -1,4 +1,4 @@
-// A snapshot's lights and their shadow maps on the GPU. The context must be current.
+// Keeps a snapshot's lights and their shadow maps on the GPU. The context must be current.
 #pragma once
 
 #include <cstdint>
@@ -22,23 +22,22 @@ class RasterLights {
  public:
   explicit RasterLights(const Functions& gl);
 
-  // Plans the maps and uploads the lights; maps are allocated when they are first drawn. Lights for which the driver has
-  // no layers left have no map: nothing is in their shadow. Throws Failure (UNSUPPORTED) where the driver cannot hold so
-  // many lights.
+  // Plans the maps and uploads the lights; maps are allocated at their first draw. A light for which the driver has no
+  // layers left has no map, and casts no shadows. Throws Failure (UNSUPPORTED) where the driver cannot hold so many
+  // lights.
   void set_scene(const RasterScene& scene);
-  // As far as the picture of one view needs them and they do not hold it yet. `tints`, `between`: as in
-  // Rasterizer::shadow_maps.
+  // Draws what the maps lack for the picture of one view. `tints`, `between`: as in Rasterizer::shadow_maps.
   void draw_shadow_maps(RasterScene& scene, RasterPrograms& programs, const glm::dmat4& clip_from_local, bool tints,
                         const std::function<void()>& between);
 
-  // Draws everything anew next time.
+  // Makes the next call draw everything anew.
   void forget_shadow_maps();
 
-  // Whether there are more lights than uniform blocks hold, so that programs read them from a texture.
+  // Returns whether there are more lights than uniform blocks hold, so that programs read them from a texture.
   bool are_many() const { return light_count_ > most_in_blocks; }
-  // Lights, shadow maps and uniforms of a program that includes raster_lighting.glsl, which must be in use.
+  // Binds lights and shadow maps and sets the uniforms of a program with raster_lighting.glsl, which must be in use.
   void bind(const Program& program, RasterTextures& textures, bool shadows) const;
-  // Whether there are maps of what translucent surfaces leave of the lights; bind() is for programs that read them.
+  // Returns whether there are maps of the light that translucent surfaces let pass. bind_tint_maps() binds them.
   bool has_tint_maps(bool shadows) const { return shadows && drawn_ && tints_.exist(); }
   void bind_tint_maps(const Program& program, RasterTextures& textures) const { tints_.bind(program, textures); }
 
@@ -48,7 +47,7 @@ class RasterLights {
     Texture texture;
     Framebuffer framebuffer;
     uint32_t size = 0, layers = 0;
-    std::vector<LayerCasters> casters;  // of each layer
+    std::vector<LayerCasters> casters;  // one for each layer
   };
   void upload_blocks(const std::vector<model::Light>& lights);
   void upload_texture(const std::vector<model::Light>& lights);
@@ -66,7 +65,7 @@ class RasterLights {
     const glm::mat4& clip_from_local;
   };
   void draw_into(Maps& maps, ShadowMap kind, const Pass& pass);
-  // `order`: the casters as a layer that is drawn anew takes them; filled for the first such layer of the light.
+  // `order`: the casters in the order for a layer that is drawn anew; filled at the light's first such layer.
   void draw_layer(const Maps& maps, LayerCasters& held, const Pass& pass, const Layer& layer,
                   std::vector<const Draw*>& order);
   template <typename Begin>
@@ -80,12 +79,12 @@ class RasterLights {
   ShadowLimits limits_;
   uint32_t light_count_ = 0;
   bool drawn_ = false;                                // the maps belong to the plan
-  std::optional<std::vector<model::Light>> planned_;  // what the plan and the blocks are of
+  std::optional<std::vector<model::Light>> planned_;  // the lights of the plan and the blocks
   Buffer lights_, shadows_;
-  Texture texels_;  // of many lights
+  Texture texels_;  // the texture of many lights
   Maps directional_, local_;
   TintMaps tints_;
-  // Where so many layers may hold so many instances that lists of them take too much memory, maps are always drawn.
+  // False where lists of the instances in every layer would take too much memory; maps are then always drawn.
   bool keeps_ = false;
   LayerCasters once_;
   CasterChanges changes_;

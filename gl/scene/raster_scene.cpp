@@ -27,7 +27,7 @@ uint32_t lobes_of(const sideray_material_desc& d) {
 
 namespace {
 
-// Holds one vertex but for its position, which passes without shading read alone.
+// Holds a vertex without its position, which is apart because passes without shading read it alone.
 struct VertexAttributes {
   glm::vec3 normal;
   glm::vec4 tangent;
@@ -67,7 +67,7 @@ struct MaterialRecord {
 };
 static_assert(sizeof(MaterialRecord) == 16 * (12 + 2 * material_slot_count));
 
-// Returns the material's textures, without those of lobes that it does not have.
+// Returns the textures of a material's active lobes.
 uint32_t maps_of(const sideray_material_desc& d) {
   uint32_t maps = 0;
   for (size_t i = 0; i < material_slot_count; ++i)
@@ -121,8 +121,8 @@ bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-// Returns whether all that is uploaded is the same, as where only time goes on. Bytes without a meaning may differ too,
-// which costs an upload and nothing else.
+// Returns whether all uploaded data is the same, as where only time advances. Padding bytes may differ too, which only
+// causes a redundant upload.
 bool same_surfaces(const model::Snapshot& a, const model::Snapshot& b) {
   return a.meshes == b.meshes && a.textures == b.textures && same_bytes(a.materials, b.materials) &&
          same_bytes(a.instances, b.instances) && same_bytes(a.thin, b.thin);
@@ -150,10 +150,10 @@ std::vector<VertexAttributes> attributes_of(const model::Mesh& mesh) {
   return vertices;
 }
 
-// Says how a mesh is drawn.
+// Holds how a mesh is drawn.
 struct Primitives {
   GLenum mode;
-  uint32_t corners;  // of each
+  uint32_t corners;  // corners of one primitive
 };
 Primitives primitives_of(const model::Mesh& mesh) {
   if (mesh.topology == SIDERAY_LINES) return {GL_LINES, 2};
@@ -161,7 +161,7 @@ Primitives primitives_of(const model::Mesh& mesh) {
   return {GL_TRIANGLES, 3};
 }
 
-// Returns the indices of lines and points; none of triangles, which are stored as they are drawn.
+// Returns the indices of lines and points; none for triangles, whose own indices are uploaded.
 std::vector<uint32_t> thin_indices(const model::Mesh& mesh) {
   std::vector<uint32_t> indices;
   const uint32_t corners = primitives_of(mesh).corners;
@@ -176,7 +176,7 @@ const void* offset_pointer(size_t bytes) {
   return reinterpret_cast<const void*>(bytes);
 }
 
-constexpr uint32_t location_before = 15;  // of the positions in a frame before
+constexpr uint32_t location_before = 15;  // vertex attribute: the position in the frame before
 
 void enable_floats(const Functions& gl, uint32_t location, int components, size_t stride, size_t offset) {
   gl.EnableVertexAttribArray(location);
@@ -267,8 +267,8 @@ void RasterScene::set_materials() {
   fill_buffer(gl_, GL_UNIFORM_BUFFER, materials_, bytes.data(), bytes.size());
 }
 
-// Sets the shadings: all opaque surfaces share the lobes of their G-buffer; a translucent one is shaded with none, or
-// with all that the scene's translucent ones have.
+// Sets which lobes are shaded: all opaque surfaces share those of their G-buffer; a translucent one has none, or all
+// those that any translucent surface of the scene has.
 void RasterScene::set_shadings() {
   const std::vector<model::Material>& materials = snapshot_->materials;
   const uint32_t available = available_maps(static_cast<uint32_t>(gl_.texture_units));
@@ -300,7 +300,7 @@ std::vector<uint32_t> RasterScene::group(const std::vector<uint32_t>& opaque) {
                            s.materials[instance.material].cull_back, instance.mirrored, instance.material,
                            instance.mesh, instance.wind, casts(i));
   };
-  // Groups are far fewer than instances: a group is what a draw may hold.
+  // A group holds the instances of one draw; groups are far fewer than instances.
   std::map<decltype(key(0)), std::vector<uint32_t>> groups;
   for (const uint32_t i : opaque) groups[key(i)].push_back(i);
   std::vector<uint32_t> order;
@@ -377,7 +377,7 @@ void RasterScene::set_snapshot(std::shared_ptr<const model::Snapshot> snapshot) 
     textures_.set_scene(*snapshot_);
     if (!kept_surfaces_) upload_surfaces();
   } catch (...) {
-    // Half a scene counts as none: the next call uploads everything that is missing.
+    // A partial upload counts as none: the next call uploads everything that is missing.
     snapshot_.reset();
     throw;
   }
@@ -418,7 +418,7 @@ void RasterScene::set_wind(const Program& program, const Draw& draw) const {
 
 void RasterScene::point_at_instance(MeshBuffers& mesh, uint32_t first_instance) const {
   if (mesh.instance_offset == first_instance) return;
-  // This happens once a mesh from OpenGL 4.2 on, which has base instances; moved pointers do the same before.
+  // Sets attributes once a mesh from OpenGL 4.2 on, which has base instances; before, pointers move for each draw.
   gl_.BindBuffer(GL_ARRAY_BUFFER, instances_.id());
   constexpr size_t stride = sizeof(InstanceRecord);
   const size_t start = first_instance * stride;

@@ -1,5 +1,5 @@
-// Keeps a snapshot's surfaces on the GPU: vertex arrays, materials, instances grouped into draws. The thread whose
-// context is current calls it.
+// Keeps a snapshot's surfaces on the GPU: vertex arrays, materials, instances grouped into draws. The context must be
+// current.
 #pragma once
 
 #include <algorithm>
@@ -18,29 +18,28 @@
 
 namespace sideray::gl {
 
-// Holds the instances that one call draws: the same mesh, material, winding and wind, consecutive in the instance
-// buffer.
+// Holds the instances that one call draws: same mesh, material, winding and wind, consecutive in the instance buffer.
 struct Draw {
   uint32_t mesh = 0, material = 0;  // indices into the snapshot
   uint32_t first_instance = 0, instance_count = 0;
   bool mirrored = false, casts_shadow = false;
-  uint32_t surface_id = 0, visibility = 0;  // set for single instances
+  uint32_t surface_id = 0, visibility = 0;  // only for single instances
   model::Bounds bounds;
-  uint32_t wind = 0;      // index + 1 into the snapshot's winds, 0 = it stands still
-  uint32_t instance = 0;  // for single instances: index into the snapshot
+  uint32_t wind = 0;      // index + 1 into the snapshot's winds, 0 = no wind
+  uint32_t instance = 0;  // only for single instances: index into the snapshot
 };
 
-// Names the lobes of lobe::* that a material has.
+// Returns the lobes (lobe::*) that a material has.
 uint32_t lobes_of(const sideray_material_desc& material);
 
 class RasterScene {
  public:
   explicit RasterScene(const Functions& gl);
 
-  // Keeps meshes and textures that the last snapshot had too, and the buffers of meshes whose vertices alone changed;
-  // keeps all surfaces where nothing but time, lights or the environment changed.
+  // Keeps meshes and textures that the last snapshot had too, and the buffers of meshes where only vertices changed;
+  // keeps everything where only time, lights or the environment changed.
   void set_snapshot(std::shared_ptr<const model::Snapshot> snapshot);
-  bool kept_surfaces() const { return kept_surfaces_; }  // in the last set_snapshot
+  bool kept_surfaces() const { return kept_surfaces_; }  // whether the last set_snapshot kept everything
   bool empty() const { return !snapshot_; }              // before the first snapshot, or after one that failed
   const model::Snapshot& snapshot() const { return *snapshot_; }
   const model::Material& material(const Draw& draw) const { return snapshot_->materials[draw.material]; }
@@ -50,36 +49,36 @@ class RasterScene {
 
   const std::vector<Draw>& thin() const { return thin_; }                // lines and points, one instance each
 
-  // Returns what programs read to draw a material in the pass of its kind.
+  // Returns the shading variant that draws a material in its pass.
   Shading shading(const Draw& draw) const {
     Shading shading = material_shadings_[draw.material];
     shading.wind = draw.wind != 0;
     return shading;
   }
-  // Sets what a program with wind, which is in use, reads of the draw.
+  // Sets the wind uniforms of the draw for a program with wind, which must be in use.
   void set_wind(const Program& program, const Draw& draw) const;
-  uint32_t opaque_lobes() const { return opaque_lobes_; }  // those that some opaque surface has
-  // Returns whether some texture is not drawn, since the driver has too few texture units.
+  uint32_t opaque_lobes() const { return opaque_lobes_; }  // lobes that some opaque surface has
+  // Returns whether some texture is not drawn, because the driver has too few texture units.
   bool leaves_textures_out() const { return leaves_textures_out_; }
-  // Binds the material block and the textures of a map set; does nothing where they are bound already. A pass starts
-  // with forget_bindings, since others use the same units.
+  // Binds the material block and the textures of a map set, unless they are bound already. A pass must start with
+  // forget_bindings, since others use the same units.
   void bind_material(uint32_t material, uint32_t maps);
   void forget_bindings() { bound_material_ = no_material; }
   void draw(const Draw& draw) { draw_range(draw, draw.first_instance, draw.instance_count); }
-  // Draws only the instances whose bounds `keep` takes, in the same order. `may_keep` refuses bounds around several
-  // instances only where `keep` takes none of them.
+  // Draws only the instances whose bounds `keep` accepts, in the same order. `may_keep` gets bounds around several
+  // instances, and may refuse them only where `keep` accepts none of these.
   template <typename MayKeep, typename Keep>
   void draw_where(const Draw& draw, const MayKeep& may_keep, const Keep& keep) {
     draw_places(
         draw, [&](uint32_t block) { return may_keep(block_bounds_[block]); },
         [&](uint32_t place) { return keep(instance_bounds_[place]); });
   }
-  // Does the same with `keep` called with an instance's place in the instance buffer, first_instance on, and `may_keep`
-  // with the number of a block: it holds the places from places_in_block times that on.
+  // Does the same by place in the instance buffer: calls `keep` with a place, first_instance on, and `may_keep` with
+  // the number of a block, whose first place is that number times places_in_block.
   template <typename MayKeep, typename Keep>
   void draw_places(const Draw& draw, const MayKeep& may_keep, const Keep& keep) {
     const uint32_t end = draw.first_instance + draw.instance_count;
-    uint32_t run = end;  // where the run begins; end = there is none
+    uint32_t run = end;  // where the run begins; `end` = no run
     const auto draw_run = [&](uint32_t run_end) {
       if (run < run_end) draw_range(draw, run, run_end - run);
       run = end;
@@ -101,12 +100,12 @@ class RasterScene {
     draw_run(end);
   }
   void draw_place(const Draw& draw, uint32_t place) { draw_range(draw, place, 1); }
-  // Gives the draw's mesh its positions in a frame before as attribute 15, until forget_positions_before: those of
-  // `before`, which has the same triangles.
+  // Sets the positions of the frame before as attribute 15 of the draw's mesh, until forget_positions_before. They come
+  // from `before`, which has the same triangles.
   void set_positions_before(const Draw& draw, const model::Mesh& before);
   void forget_positions_before(const Draw& draw);
-  // From here on, draws of a mesh that can be drawn together with others wait for draw_gathered(), which draws them with
-  // the program that is in use then: one that reads nothing of a vertex but its position, without wind.
+  // While on, draws of meshes that can be drawn together wait for draw_gathered(), which draws them with the program
+  // then in use. That program must read only positions of vertices, without wind.
   void gather_draws(bool on) { gathers_ = on; }
   void draw_gathered() { gathered_.draw(); }
   const model::Bounds& bounds_at(uint32_t place) const { return instance_bounds_[place]; }
@@ -115,7 +114,7 @@ class RasterScene {
   uint32_t instance_at(uint32_t place) const { return instance_order_[place]; }  // its index in the snapshot
   std::span<const uint32_t> instance_order() const { return instance_order_; }
   std::shared_ptr<const model::Snapshot> shared_snapshot() const { return snapshot_; }
-  // Returns bounds around every instance, opaque or translucent, and the middles of lit sprites that a view may show.
+  // Returns bounds around every instance, opaque or translucent, and the centres of lit sprites that a view may show.
   model::Bounds seen_bounds(const glm::mat4& clip_from_local) const;
 
   RasterTextures& textures() { return textures_; }
@@ -127,7 +126,7 @@ class RasterScene {
     std::shared_ptr<const model::Mesh> source;
     Buffer positions, attributes, indices;
     VertexArray vertex_array;
-    uint32_t instance_offset = 0xffffffffu;  // the one that the vertex array points at now
+    uint32_t instance_offset = 0xffffffffu;  // the offset that the vertex array has now
   };
   MeshBuffers upload(const std::shared_ptr<const model::Mesh>& mesh) const;
   MeshBuffers with_vertices(MeshBuffers buffers, const std::shared_ptr<const model::Mesh>& mesh) const;
@@ -151,13 +150,13 @@ class RasterScene {
   uint32_t opaque_lobes_ = 0;
   bool leaves_textures_out_ = false, kept_surfaces_ = false;
   Buffer materials_, instances_, positions_before_;
-  GatheredMeshes gathered_;  // of what casts shadows and neither sways nor has holes
+  GatheredMeshes gathered_;  // of meshes that cast shadows, have no holes and no wind
   bool gathers_ = false;
   uint32_t material_stride_bytes_ = 0;
   uint32_t bound_material_ = no_material, bound_maps_ = 0;
   std::vector<Draw> opaque_, translucent_, thin_;
   std::vector<model::Bounds> instance_bounds_;  // in the order of the instance buffer
-  std::vector<uint32_t> instance_order_;        // indices into the snapshot's
+  std::vector<uint32_t> instance_order_;        // indices into the snapshot's instances
   std::vector<model::Bounds> block_bounds_;     // bounds around each block_size of them
 };
 

@@ -14,7 +14,7 @@
 namespace sideray::gl {
 namespace {
 
-// Holds an instance of raster_sprite.vert.glsl.
+// Has the layout of an instance of raster_sprite.vert.glsl.
 struct SpriteRecord {
   glm::vec3 position;
   glm::vec2 half_size, turn;
@@ -31,7 +31,7 @@ glm::vec4 depth_row(const RasterView& view) {
   return -glm::vec4(m[0][2], m[1][2], m[2][2], m[3][2]);
 }
 
-// Tests whether no point within `radius` of a position at `depth` is in the picture.
+// Tests whether a sphere of `radius` around a position at `depth` lies outside the picture.
 class SideTest {
  public:
   explicit SideTest(const RasterView& view)
@@ -40,7 +40,7 @@ class SideTest {
     reach_ = {reach(0), reach(1)};
   }
   bool outside(glm::vec3 position, float depth, float radius) const {
-    // Sprites lie in planes of one depth.
+    // A sprite has one depth, as it is parallel to the picture.
     if (!(depth > near_) || depth > far_) return true;
     const glm::vec4 p = clip_ * glm::vec4(position, 1.0f);
     return std::abs(p.x) > p.w + radius * reach_.x || std::abs(p.y) > p.w + radius * reach_.y;
@@ -66,7 +66,7 @@ std::span<const PlacedSprite> RasterSprites::place(const model::Snapshot& snapsh
   keys_.clear(), placed_.clear();
   const glm::vec4 depth_from_local = depth_row(view);
   const SideTest sides(view);
-  std::vector<uint32_t> firsts;  // first sprites of the systems, counted through
+  std::vector<uint32_t> firsts;  // number of each system's first sprite, counted over all systems
   uint32_t first = 0;
   for (const model::ParticleSystem& system : snapshot.particles) {
     firsts.push_back(first);
@@ -74,7 +74,7 @@ std::span<const PlacedSprite> RasterSprites::place(const model::Snapshot& snapsh
       const model::Sprite& s = system.sprites[i];
       const float depth = glm::dot(depth_from_local, glm::vec4(s.position, 1.0f));
       if (sides.outside(s.position, depth, glm::length(s.half_size))) continue;
-      // Depths are positive, so their bits have the same order.
+      // Positive floats sort like their bits.
       keys_.push_back(uint64_t{std::bit_cast<uint32_t>(depth)} << 32 | (first + i));
     }
     first += static_cast<uint32_t>(system.sprites.size());

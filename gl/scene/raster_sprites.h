@@ -1,4 +1,4 @@
-// Puts the sprites that a view shows into one buffer, in drawing order. The thread whose context is current calls it.
+// Puts the sprites that a view shows into one buffer, in drawing order. The context must be current.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct SpriteRun {
   uint32_t system = 0, first = 0, count = 0;
 };
 
-// Return whether a system's sprites fade before opaque surfaces; whether any of a snapshot's do.
+// Return whether a system's sprites, or any of a snapshot's, fade in front of opaque surfaces.
 bool is_soft(const model::ParticleSystem& system);
 bool has_soft_sprites(const model::Snapshot& snapshot);
 
@@ -32,11 +32,11 @@ class RasterSprites {
  public:
   explicit RasterSprites(const Functions& gl) : gl_(gl), buffer_(gl), vertex_array_(gl) {}
 
-  // Sorts what the view shows, the farthest plane first, and fills the buffer. Among equally far sprites the one that
-  // comes first in the snapshot lies in front. The span lasts until the next call.
+  // Sorts the sprites that the view shows, the farthest plane first, and fills the buffer. Of equally far sprites the
+  // one that comes first in the snapshot is in front. The span is valid until the next call.
   std::span<const PlacedSprite> place(const model::Snapshot& snapshot, const RasterView& view);
 
-  // Set the uniforms of a sprite program in use: those of the view; those of a system, with its texture.
+  // Set uniforms of a sprite program in use: those of the view, and those of a system with its texture.
   static void set_view(const Program& program, const RasterView& view, uint32_t picture_height);
   static void set_system(const Program& program, const model::Snapshot& snapshot, uint32_t system,
                          RasterTextures& textures);

@@ -57,7 +57,7 @@ RasterView make_raster_view(const sideray_camera& camera, glm::vec2 jitter, cons
 
   const double aspect = double(target.width) / double(target.height);
   const double scale = 1.0 / (view.orthographic ? double{camera.half_height} : elementary::tan(0.5 * double{camera.yfov}));
-  // Content moves against the jitter, so that the pixel centre sees the place `jitter` away from it.
+  // Moves the content against the jitter, so that the pixel centre samples the point `jitter` away from it.
   const glm::dvec2 shift(-2.0 * double{jitter.x} / target.width, -2.0 * double{jitter.y} / target.height);
   view.jitter = shift;
   // The principal point, -1..1 with y up.
@@ -114,14 +114,14 @@ bool is_too_small(const RasterView& view, uint32_t height, const model::Bounds& 
   const glm::vec3 offset = bounds.center() - view.eye;
   const float nearest = glm::dot(offset, view.forward) - bounds.radius();
   if (!(nearest > 0.0f)) return false;
-  // Away from the middle of a picture a sphere looks longer, by the distance over the depth.
+  // Away from the picture's centre, perspective stretches a sphere by the distance over the depth.
   const float longest = diameter * glm::length(offset) * pixels;
   return longest < least_pixels * 2.0f * elementary::tan(0.5f * view.yfov) * nearest * nearest;
 }
 
 bool is_outside(const glm::mat4& clip_from_local, const model::Bounds& bounds) {
   if (bounds.empty()) return true;
-  // A corner counts as outside only by more than rounding can move it.
+  // Counts a corner as outside only beyond what rounding can change.
   constexpr float margin = 1e-4f;
   const glm::vec3 farthest = glm::max(glm::abs(bounds.minimum), glm::abs(bounds.maximum));
   const float rounding = 1e-5f * (farthest.x + farthest.y + farthest.z);

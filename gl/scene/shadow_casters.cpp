@@ -6,7 +6,7 @@
 namespace sideray::gl {
 namespace {
 
-// A look-up is moved 1.6 texels off the surface, and its filter reaches 1.5 texels along both sides
+// A lookup is offset by 1.6 texels from the surface, and its filter reaches 1.5 texels along both axes
 // (raster_lighting.glsl): 3.8 together, and as much again for rounding.
 constexpr float slack_texels = 8.0f;
 
@@ -40,7 +40,7 @@ Receivers make_receivers(const glm::dmat4& clip_from_local, const model::Bounds&
 ShadowCasters::ShadowCasters(const model::Light& light, const LightShadow& shadow, const Receivers& receivers)
     : light_(light.position), reach_(INFINITY) {
   const bool directional = light.type == SIDERAY_LIGHT_DIRECTIONAL;
-  float slack = slack_texels * shadow.texel;  // a local light's texels grow with the distance
+  float slack = slack_texels * shadow.texel;  // of a local light: texels grow with the distance
   if (!directional) {
     const float to_receivers = farthest(light.position, receivers.bounds);
     const float used = light.range > 0.0f ? std::min(light.range, to_receivers) : to_receivers;

@@ -1,4 +1,4 @@
-// Decides which instances a shadow map must hold for one picture to be right. Leaving the others out changes no pixel.
+// Decides which instances a shadow map must hold for the picture of one view. Leaving out the others changes no pixel.
 // Plain arithmetic; any thread may call it.
 #pragma once
 
@@ -10,13 +10,13 @@
 
 namespace sideray::gl {
 
-// Holds half spaces that contain every point a picture shows: xyz unit and inward, inside where dot(xyz, p) + w >= 0.
+// Holds half spaces that contain every visible point: xyz is a unit normal to the inside, where dot(xyz, p) + w >= 0.
 struct Receivers {
   std::vector<glm::vec4> planes;
   model::Bounds bounds;
 };
 
-// Describes a view whose content lies within `bounds`.
+// Returns the receivers of a view whose content lies within `bounds`.
 Receivers make_receivers(const glm::dmat4& clip_from_local, const model::Bounds& bounds);
 
 // Tests casters for one light's maps: a caster matters where it may lie between the light and a receiver within range.
@@ -26,9 +26,9 @@ class ShadowCasters {
   bool may_matter(const model::Bounds& caster) const;
 
  private:
-  std::vector<glm::vec4> planes_;  // contain light and receivers, and so every way between them
+  std::vector<glm::vec4> planes_;  // contain light and receivers, and so every shadow ray
   glm::vec3 light_;                // position
-  float reach_;                    // the light's; infinite where unlimited
+  float reach_;                    // the farthest at which a caster matters; infinite for directional lights
 };
 
 }  // namespace sideray::gl

@@ -11,9 +11,9 @@ namespace {
 
 constexpr uint32_t directional_size = 2048, local_size = 1024, smallest_size = 128;
 constexpr uint64_t largest_bytes = 256u << 20;  // for all maps together, 4 bytes a texel
-constexpr uint32_t border_texels = 4;           // around what must be covered: room for the filter
-constexpr float near_share = 1e-4f;             // a share of the distance to the farthest caster
-// A cone wider than this (half angle 60 degrees) wastes too much of one frustum.
+constexpr uint32_t border_texels = 4;           // margin around what must be covered, for the filter
+constexpr float near_share = 1e-4f;             // near plane, as a share of the distance to the farthest caster
+// A cone wider than this (half angle 60 degrees) would waste most of a single frustum.
 constexpr float cos_widest_frustum = 0.5f;
 
 using Bounds = model::Bounds;
@@ -38,7 +38,7 @@ void complete_frame(glm::dvec3 axis, glm::dvec3& right, glm::dvec3& up) {
   up = glm::cross(right, axis);
 }
 
-// Has rows right, up, forward, then translation: maps local space to (x, y, distance along the axis).
+// Returns a matrix of rows right, up, forward, and a translation: maps local space to (x, y, distance along the axis).
 glm::dmat4 frame_matrix(glm::dvec3 right, glm::dvec3 up, glm::dvec3 forward, glm::dvec3 origin) {
   const glm::dmat3 turn = glm::transpose(glm::dmat3(right, up, forward));
   glm::dmat4 m(turn);
@@ -100,7 +100,7 @@ void fit_frustum(const model::Light& light, double near, uint32_t size, bool rev
 }
 
 // Fits six squares around the light. Right and up are the next two axes, whatever the sign: some faces are mirrored,
-// which does no harm, since both sides cast shadows.
+// which is harmless, since both sides cast shadows.
 void fit_faces(const model::Light& light, double near, uint32_t size, bool reversed, LightShadow& shadow) {
   const double tan_half = double(size) / (size - 2 * border_texels);
   const glm::dmat4 projection = perspective(tan_half, near, reversed);
@@ -141,7 +141,7 @@ uint64_t bytes_of(const ShadowPlan& plan) {
               uint64_t{plan.local_size} * plan.local_size * plan.local_layers);
 }
 
-// Gives out layers as far as the driver has them, then halves the maps until the memory suffices.
+// Assigns layers until the driver has no more, then halves the maps' sizes until they fit into the memory.
 void choose_sizes(const std::vector<model::Light>& lights, const std::vector<Bounds>& casters,
                   const ShadowLimits& limits, ShadowPlan& plan) {
   for (size_t i = 0; i < lights.size(); ++i) {

@@ -1,5 +1,5 @@
-// Plans which shadow maps a scene's lights need, of what size, and the matrices they are drawn and looked up with.
-// Plain arithmetic; any thread may call it.
+// Plans the shadow maps of a scene's lights: their sizes, and the matrices that draw and look them up. Plain
+// arithmetic; any thread may call it.
 #pragma once
 
 #include <cstdint>
@@ -15,13 +15,13 @@ enum class ShadowMap { none = 0, directional = 1, frustum = 2, faces = 3 };
 struct LightShadow {
   ShadowMap map = ShadowMap::none;
   uint32_t first_layer = 0;
-  float texel = 0;                         // world units, or those per unit of distance along the axis
+  float texel = 0;                         // world units; of local lights, per unit of distance along the axis
   glm::mat4 shadow_from_local{0.0f};       // as shaders/light/raster_lighting.glsl takes it
-  std::vector<glm::mat4> clip_from_local;  // one a layer
+  std::vector<glm::mat4> clip_from_local;  // one for each layer
 };
 
 struct ShadowPlan {
-  std::vector<LightShadow> lights;  // one a light of the snapshot
+  std::vector<LightShadow> lights;  // one for each light of the snapshot
   uint32_t directional_size = 0, directional_layers = 0;
   uint32_t local_size = 0, local_layers = 0;
 };

@@ -8,15 +8,15 @@
 namespace sideray::gl {
 namespace {
 
-constexpr uint32_t half = 2;  // of a shadow map's side
-constexpr uint64_t bytes_a_texel = 8, most_bytes = uint64_t{64} << 20;  // of each kind
+constexpr uint32_t half = 2;  // divisor of a shadow map's side
+constexpr uint64_t bytes_a_texel = 8, most_bytes = uint64_t{64} << 20;  // for each kind of map
 constexpr float beyond_all = 65504.0f;
 
 bool tints(const RasterScene& scene, const Draw& draw) {
   return model::tints_light(scene.material(draw), scene.snapshot().instances[draw.instance]);
 }
 
-// Whether what faces the light is drawn clockwise: some faces of a point's maps are mirrored.
+// Returns whether front faces, as the light sees them, are clockwise: some faces of a point light's maps are mirrored.
 bool is_mirrored(const glm::mat4& clip) {
   const glm::vec3 x(clip[0][0], clip[1][0], clip[2][0]), y(clip[0][1], clip[1][1], clip[2][1]),
       w(clip[0][3], clip[1][3], clip[2][3]);

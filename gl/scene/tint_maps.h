@@ -1,9 +1,9 @@
-// What translucent surfaces leave of each light's colour, beside its shadow maps and with their matrices: red, green and blue
-// of the optical depth that a ray from the light gathers, and how far off the first surface is. The thread whose context is
-// current calls it.
+// Keeps maps of the light that translucent surfaces let pass, beside the shadow maps and with their matrices: optical
+// depth in red, green and blue along a ray from the light, and the distance of the first surface. The context must be
+// current.
 //
-// What it leaves out: surfaces of one texel that lie on both sides of a receiver all tint it, once it lies behind the first;
-// where solids overlap, both absorb; light is not bent.
+// Limits: where a texel has surfaces on both sides of a receiver that is behind the first, all of them tint it; where
+// solids overlap, both absorb; light is not bent.
 #pragma once
 
 #include <cstdint>
@@ -20,18 +20,18 @@ class TintMaps {
  public:
   explicit TintMaps(const Functions& gl) : gl_(gl) {}
 
-  // Returns a map's side, and how many layers of it there are: none where they would take too much memory.
+  // Return a map's side and its number of layers, which is 0 where they would take too much memory.
   static uint32_t side_of(uint32_t shadow_map_side);
   static uint32_t layers_of(uint32_t shadow_map_side, uint32_t shadow_map_layers);
 
-  // The next draw() draws anew.
+  // Makes the next draw() draw anew.
   void forget() { drawn_ = false; }
-  // Draws the maps of a plan where the scene has anything that tints light, and there is room for them.
+  // Draws the maps of a plan where something in the scene tints light and the maps fit.
   void draw(RasterScene& scene, RasterPrograms& programs, const ShadowPlan& plan, bool reversed_depth);
-  // There are none until the next draw().
+  // Removes the maps until the next draw().
   void leave_out();
   bool exist() const { return directional_.texture || local_.texture; }
-  // For programs with SR_TINT_MAPS.
+  // Binds the maps for a program with SR_TINT_MAPS.
   void bind(const Program& program, RasterTextures& textures) const;
 
  private:

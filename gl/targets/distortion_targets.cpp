@@ -5,7 +5,7 @@
 
 namespace sideray::gl {
 
-// Sums of offsets need more than halfs: a 2000th of a picture's height is a pixel.
+// Uses full floats: offsets are in picture heights, and halfs are too coarse where a pixel is a 2000th.
 Texture DistortionTargets::make_texture() const {
   Texture texture(gl_);
   gl_.ActiveTexture(GL_TEXTURE0);

@@ -1,5 +1,5 @@
-// Holds what the distortion pass draws into: offsets, and a copy of the opaque picture. Nothing is allocated until
-// something distorts. The thread whose context is current calls it.
+// Holds the targets of the distortion pass: offsets, and a copy of the opaque picture. Nothing is allocated until a
+// surface distorts. The context must be current.
 #pragma once
 
 #include <cstdint>
@@ -15,12 +15,12 @@ class DistortionTargets {
   explicit DistortionTargets(const Functions& gl) : gl_(gl) {}
 
   // Allocates for `targets`, whose depth and stencil the offsets are drawn against. Throws Failure (OUT_OF_MEMORY,
-  // GL_FAILED, UNSUPPORTED) and then has none.
+  // GL_FAILED, UNSUPPORTED); then nothing is allocated.
   void fit(const RasterTargets& targets);
   void release();
 
-  void bind_offsets() const;               // for drawing, with their viewport
-  void copy(const RasterTargets& source);  // copies its colour
+  void bind_offsets() const;               // for drawing; sets their viewport
+  void copy(const RasterTargets& source);  // copies the colour of `source`
   uint32_t offsets() const { return offsets_.id(); }
   uint32_t picture() const { return picture_.id(); }
 

@@ -1,5 +1,5 @@
-// Holds a copy of the opaque picture with its mipmaps, for surfaces that bend or blur what is seen through them. Nothing
-// is allocated until something does. The thread whose context is current calls it.
+// Holds a copy of the opaque picture with mip levels, for surfaces that bend or blur what is seen through them. Nothing
+// is allocated until one does. The context must be current.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ class OpaqueLevels {
  public:
   explicit OpaqueLevels(const Functions& gl) : gl_(gl) {}
 
-  // Copies the colour of `source`. Throws Failure (OUT_OF_MEMORY) and then has none.
+  // Copies the colour of `source`. Throws Failure (OUT_OF_MEMORY); then there is no copy.
   void copy(const RasterTargets& source);
   void release();
   uint32_t texture() const { return texture_.id(); }

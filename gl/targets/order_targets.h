@@ -1,5 +1,5 @@
-// Holds what the orders of translucent fragments draw into beside the picture; each is there only while its order is
-// used. The thread whose context is current calls it; targets and functions must outlive the objects.
+// Holds the extra targets of the orders of translucent fragments; each exists only while its order is used. The context
+// must be current; targets and functions must outlive the objects.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,15 @@
 
 namespace sideray::gl {
 
-// Holds two slices of depth peeling, this step's and the one before: for one fragment a pixel the key
-// (shaders/translucent/raster_order_key.glsl) and the depth.
+// Holds two slices of depth peeling, this step's and the one before: in each pixel the key
+// (shaders/translucent/raster_order_key.glsl) and the depth of one fragment.
 class PeelSlices {
  public:
   PeelSlices(const Functions& gl, const RasterTargets& targets);
   bool fits() const;
 
   uint32_t keys(uint32_t slice) const { return slices_[slice].keys.id(); }
-  // Binds a slice's keys and depth to be written; the keys are set to 0, behind all others.
+  // Binds a slice's keys and depth for writing, and clears the keys to 0, behind all others.
   void begin(uint32_t slice) const;
   // Binds the picture, with the slice's depth.
   void bind_picture(uint32_t slice) const;
@@ -43,7 +43,7 @@ class FragmentLists {
   // Starts empty lists for `pixels` pixels, with room for as many nodes as before.
   void begin(uint32_t pixels);
   uint32_t capacity() const { return capacity_; }
-  // Returns how many nodes were requested since begin(); it waits for what was drawn.
+  // Returns how many nodes were requested since begin(); waits for the draws.
   uint32_t wanted() const;
   // Makes room for `capacity` nodes. Throws Failure (OUT_OF_MEMORY).
   void grow(uint32_t capacity);

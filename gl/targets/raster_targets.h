@@ -1,5 +1,4 @@
-// Holds what the rasterizer draws into: G-buffer, depth-stencil and colour, and reads them back. The thread whose
-// context is current calls it.
+// Holds the rasterizer's targets (G-buffer, depth-stencil, colour) and reads them back. The context must be current.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +14,7 @@ class RasterTargets {
  public:
   explicit RasterTargets(const Functions& gl) : gl_(gl) {}
 
-  // Throws Failure (INVALID_ARGUMENT, OUT_OF_MEMORY, GL_FAILED) and then has no targets.
+  // Throws Failure (INVALID_ARGUMENT, OUT_OF_MEMORY, GL_FAILED); then there are no targets.
   void resize(uint32_t width, uint32_t height);
   uint32_t width() const { return width_; }
   uint32_t height() const { return height_; }
@@ -28,11 +27,11 @@ class RasterTargets {
   void bind_frame() const { bind(frame_); }
   uint32_t frame() const { return frame_.id(); }
 
-  // Target 4 of the G-buffer holds ids, and how surfaces are brushed where lobe::anisotropy is set; the targets from 5
-  // on hold what lobe::coat, sheen and behind need.
+  // Target 4 of the G-buffer holds ids and, with lobe::anisotropy, its direction and strength; targets from 5 on hold
+  // lobe::coat, sheen and behind.
   static constexpr uint32_t floating_targets = 4;
   uint32_t gbuffer_texture(uint32_t target) const { return gbuffer_textures_[target].id(); }
-  // Allocates the targets that `lobes` take and frees those of others. Throws as resize does.
+  // Allocates the targets of `lobes` and frees those of other lobes. Throws as resize does.
   void set_lobes(uint32_t lobes);
   uint32_t lobe_texture(uint32_t index) const { return lobe_textures_[index] ? lobe_textures_[index].id() : 0; }
   void clear_gbuffer() const;
@@ -41,22 +40,20 @@ class RasterTargets {
 
   // Returns a new texture of the frame's size.
   Texture make_texture(uint32_t internal_format, uint32_t format, uint32_t type) const;
-  // Throws Failure (GL_FAILED) where what is bound as the framebuffer is not complete.
+  // Throws Failure (GL_FAILED) where the bound framebuffer is not complete.
   void check_complete(const char* what) const;
   void bind(const Framebuffer& framebuffer) const;
 
-  // Copies the depth as it is now into a texture that may be read while the frame is drawn; made when it is first
-  // wanted.
+  // Copies the current depth into a texture that may be read while the frame is drawn; allocated at its first use.
   void copy_depth();
   uint32_t depth_copy() const { return depth_copy_.id(); }
 
-  // Binds and clears the target that holds where rays hit what is drawn, with the frame's depth and stencil; made when
-  // it is first wanted.
+  // Binds and clears the target of rest positions, where rays hit what is drawn, with the frame's depth and stencil;
+  // allocated at its first use.
   void bind_rest();
   uint32_t rest() const { return rest_.id(); }
 
-  // Binds the target that holds by how much surfaces moved, with the frame's depth or alone; made when it is first
-  // wanted.
+  // Binds the target of motion vectors, with or without the frame's depth; allocated at its first use.
   void bind_motion(bool with_depth);
   uint32_t motion() const { return motion_.id(); }
   std::vector<glm::vec2> read_motion() const;

@@ -37,10 +37,10 @@ void TemporalTargets::release() {
 }
 
 void TemporalTargets::replace(const std::vector<glm::vec4>& picture) {
-  constexpr float as_many = 16.0f;  // more than the average ever counts
+  constexpr float as_many = 16.0f;  // more pictures than the average ever counts
   constexpr float largest_half = 65504.0f;
   std::vector<glm::vec4> halfs = picture;
-  for (glm::vec4& c : halfs) c = glm::min(c, largest_half);  // no infinities: they would stay
+  for (glm::vec4& c : halfs) c = glm::min(c, largest_half);  // no infinities: they would never fade
   gl_.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
   gl_.PixelStorei(GL_UNPACK_ALIGNMENT, 4);
   gl_.BindTexture(GL_TEXTURE_2D, pictures_[1 - made_].id());

@@ -1,5 +1,5 @@
-// Holds the pictures that temporal anti-aliasing averages: the one being made and the last one kept. Nothing is
-// allocated until it is used. The thread whose context is current calls it.
+// Holds the pictures of temporal anti-aliasing: the one being made and the last one kept (the history). Nothing is
+// allocated until its first use. The context must be current.
 #pragma once
 
 #include <cstdint>
@@ -16,17 +16,17 @@ class TemporalTargets {
  public:
   explicit TemporalTargets(const Functions& gl) : gl_(gl) {}
 
-  // Allocates for `targets`; what was kept in another size is lost. Throws Failure (OUT_OF_MEMORY, UNSUPPORTED) and
-  // then has none.
+  // Allocates for `targets`; history of another size is lost. Throws Failure (OUT_OF_MEMORY, UNSUPPORTED); then nothing
+  // is allocated.
   void fit(const RasterTargets& targets);
   void release();
 
-  // Makes the kept picture the past of the next one.
+  // Makes the finished picture the history of the next one.
   void keep() { made_ = 1 - made_, has_past_ = static_cast<bool>(pictures_[0]), least_pictures_ = 1.0f; }
   void forget() { has_past_ = false; }
-  // Replaces the kept picture, which has a past, by one of its size that counts for as many pictures as there can be.
+  // Replaces the history, which must exist, by a picture of its size that has the largest weight.
   void replace(const std::vector<glm::vec4>& picture);
-  // Returns for how many pictures the kept one counts at least.
+  // Returns the least number of pictures that the history counts as.
   float least_pictures() const { return least_pictures_; }
   bool has_past() const { return has_past_; }
   uint32_t past_picture() const { return pictures_[1 - made_].id(); }

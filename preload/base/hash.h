@@ -1,4 +1,4 @@
-// Hashes of memory: names of textures and meshes that stay the same from one run to the next.
+// Hashes memory, for names of textures and meshes that stay the same in every run.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +25,7 @@ inline uint64_t hash_bytes(const void* data, size_t size, uint64_t hash = 0x2545
   return mix(hash, rest);
 }
 
-// Sixteen hexadecimal digits, as rules files and reports write it.
+// Returns sixteen hexadecimal digits, as in rules files and reports.
 std::string hash_text(uint64_t hash);
 
 }  // namespace sideray::run

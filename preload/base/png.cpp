@@ -34,7 +34,7 @@ uint32_t adler(const std::string& bytes) {
   return b << 16 | a;
 }
 
-// Blocks of a zlib stream that are stored as they are.
+// Returns a zlib stream of stored blocks, without compression.
 std::string stored(const std::string& bytes) {
   constexpr size_t largest = 65535;
   std::string stream = "\x78\x01";

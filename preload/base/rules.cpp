@@ -22,7 +22,7 @@ Kind kind_of(const std::string& name) {
                            "[shade=0..1] behind it, KIND one of glass, water, mirror, sky, opaque, ignore, or it is sun light 0..7");
 }
 
-// An option of a rule, and what it may be.
+// Describes an option of a rule, and its range.
 struct Option {
   const char* name;
   float Rule::*value;
@@ -51,7 +51,7 @@ uint64_t hash_of(const std::string& text, const std::string& where) {
   return hash;
 }
 
-// Options that would do nothing are mistakes.
+// Throws where an option would have no effect, since that is a mistake.
 void check(const Rule& rule, const std::string& where) {
   if (rule.ior != 1 && rule.kind != Kind::glass && rule.kind != Kind::water) refuse(where, "ior is of glass and water alone");
   if (rule.shade >= 0 && rule.kind != Kind::opaque) refuse(where, "shade is of opaque alone");

@@ -1,4 +1,4 @@
-// What textures and meshes are taken for.
+// Says which kind of material textures and meshes stand for.
 #pragma once
 
 #include <cstdint>
@@ -13,28 +13,28 @@ const char* kind_name(Kind kind);
 
 struct Rule {
   Kind kind = Kind::unknown;
-  float reflectance = 0;  // head on; it grows to 1 at grazing angles, but for mirrors
-  float ior = 1;          // of glass and water: 1 = what is behind is not bent
-  float shade = -1;       // of what is opaque: the share of its colour that shadows leave; below 0 = as its lighting says
+  float reflectance = 0;  // at normal incidence; grows to 1 at grazing angles, except for mirrors
+  float ior = 1;          // of glass and water: 1 = refraction is off
+  float shade = -1;       // of opaque surfaces: share of their colour that shadows leave; below 0 = by their lighting
   bool guessed = false;   // no rule says so
 };
 
-// glass 0.04, water 0.02, mirror 0.3
+// Returns 0.04 for glass, 0.02 for water, 0.3 for mirrors.
 float usual_reflectance(Kind kind);
 
-// A rules file: one rule a line, `KIND texture HASH [OPTION=VALUE...]`, `KIND mesh HASH [OPTION=VALUE...]`, `KIND guessed
-// [OPTION=VALUE...]` (of what is guessed to be glass) or `sun light N`; # begins a comment.
+// Holds a rules file with one rule a line: `KIND texture HASH [OPTION=VALUE...]`, `KIND mesh HASH [OPTION=VALUE...]`,
+// `KIND guessed [OPTION=VALUE...]` (for surfaces that look like glass) or `sun light N`; # begins a comment.
 class Rules {
  public:
   Rules();
-  // Throws std::runtime_error that names file, line, and what may stand there.
+  // Throws std::runtime_error that names the file, the line, and what is allowed there.
   static Rules read(const std::string& path);
-  // A mesh's rule goes before its texture's. Kind::unknown where there is neither.
+  // Returns the mesh's rule, or else the texture's; Kind::unknown if there is neither.
   Rule find(uint64_t texture, uint64_t mesh) const;
   bool has_meshes() const { return !meshes_.empty(); }
-  // Of what looks like glass, and of which no rule says what it is.
+  // Returns the rule for surfaces that look like glass and have no rule of their own.
   const Rule& guess() const { return guess_; }
-  // The light that casts shadows: GL_LIGHT0 + sun(); below 0 = none.
+  // Returns the light that casts shadows: GL_LIGHT0 + sun(); below 0 = none.
   int sun() const { return sun_; }
 
  private:

@@ -15,7 +15,7 @@ std::string variable(const char* name) {
 }  // namespace
 
 const Settings& settings() {
-  // Never destroyed: the last report is written when the process ends.
+  // Is never destroyed, since the last report is written when the process ends.
   static const Settings* const all =
       new Settings{variable("SIDERAY_RUN_OFF") == "1",  variable("SIDERAY_RUN_LATE") == "1",    variable("SIDERAY_RUN_RULES"),
                    variable("SIDERAY_RUN_REPORT"),      variable("SIDERAY_RUN_CAPTURE"),        variable("SIDERAY_RUN_PICTURES")};

@@ -1,4 +1,4 @@
-// What `sideray run` tells the library, by environment variables, and what the library tells the user.
+// Holds the settings that `sideray run` passes in environment variables; prints messages to the user.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 namespace sideray::run {
 
 struct Settings {
-  bool off = false;   // nothing is held back: the program's own picture
+  bool off = false;   // nothing is held back: the picture is the program's own
   bool late = false;  // nothing waits: answers of an earlier frame are drawn
   std::string rules, report, capture, pictures;  // files and a folder; empty = none
 };

@@ -1,5 +1,5 @@
-// Signals wait while the library works and while the driver swaps: a handler of the program that calls OpenGL or Xlib would find
-// them in the midst of a call, and wait for that for ever.
+// Delays signals while the library works and while the driver swaps buffers: a handler of the program that calls OpenGL
+// or Xlib would interrupt such a call and wait for it forever.
 #pragma once
 
 #include <signal.h>
@@ -11,13 +11,13 @@ class SignalsWait {
   SignalsWait() {
     sigset_t all;
     ::sigfillset(&all);
-    // Those of mistakes come at once.
+    // Signals of errors are not delayed.
     for (const int mistake : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS}) ::sigdelset(&all, mistake);
     ::pthread_sigmask(SIG_BLOCK, &all, &before_);
   }
   ~SignalsWait() { ::pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-  // Whether one has come meanwhile. Then the driver has to finish first: Mesa (22.3) waits for ever for the threads of a screen that
-  // is destroyed while they draw.
+  // Returns whether a signal is waiting. Then the driver must finish first: Mesa (22.3) waits forever for the threads
+  // of a screen that is destroyed while they draw.
   bool has_one() const {
     sigset_t waiting;
     ::sigpending(&waiting);

@@ -1,5 +1,5 @@
-// The tables of OpenGL entry points. Everything that is generated from them (function pointers, exported functions, what
-// glXGetProcAddress and dlsym return) follows a line added here.
+// Lists the OpenGL entry points. Function pointers, exported functions, and what glXGetProcAddress and dlsym return are
+// generated from these tables.
 #pragma once
 
 #define GL_GLEXT_PROTOTYPES 1
@@ -25,7 +25,7 @@
   X(GetProgramInfoLog) X(DeleteProgram) X(GetUniformLocation) X(Finish) X(Uniform1f) X(Uniform1i) X(Uniform2f) X(Uniform3f) X(UniformMatrix4fv) X(GenQueries) X(DeleteQueries)                   \
   X(BeginQuery) X(EndQuery) X(GetQueryObjectuiv) X(WindowPos2i) X(PixelZoom)
 
-// X(NAME): functions that programs call through the library. hooks/ defines each of them.
+// X(NAME): functions that programs call through the library. hooks/ defines each.
 #define SIDERAY_RUN_HOOKED(X)                                                                                            \
   X(Begin) X(End) X(NewList) X(EndList) X(CallList) X(CallLists) X(DeleteLists)                                            \
   X(DrawArrays) X(DrawElements) X(DrawRangeElements) X(MultiDrawArrays) X(MultiDrawElements) X(ArrayElement)               \
@@ -38,7 +38,7 @@
   X(UseProgram) X(BindProgramPipeline) X(BindFramebuffer) X(BlitFramebuffer) X(DrawArraysInstanced)                        \
   X(DrawElementsInstanced) X(DrawElementsBaseVertex)
 
-// X(ALIAS, NAME): older names of the same functions.
+// X(ALIAS, NAME): older names of these functions.
 #define SIDERAY_RUN_ALIASES(X)                                                                                           \
   X(DrawRangeElementsEXT, DrawRangeElements) X(MultiDrawArraysEXT, MultiDrawArrays)                                        \
   X(DrawArraysEXT, DrawArrays) X(BindTextureEXT, BindTexture) X(CompressedTexImage2DARB, CompressedTexImage2D)             \
@@ -46,7 +46,7 @@
   X(MapBufferARB, MapBuffer) X(DeleteBuffersARB, DeleteBuffers) X(BindFramebufferEXT, BindFramebuffer)                     \
   X(BlitFramebufferEXT, BlitFramebuffer)
 
-// X(NAME, COUNT, SUFFIX, TYPE): the attributes of a vertex, each with COUNT scalars of TYPE, and as a vector (SUFFIX ## v).
+// X(NAME, COUNT, SUFFIX, TYPE): vertex attributes, each with COUNT scalars of TYPE, and as a vector (SUFFIX ## v).
 #define SIDERAY_RUN_TYPES(X, name, count)                                                                                \
   X(name, count, s, GLshort) X(name, count, i, GLint) X(name, count, f, GLfloat) X(name, count, d, GLdouble)
 #define SIDERAY_RUN_COLOR_TYPES(X, count)                                                                                \
@@ -58,7 +58,7 @@
   SIDERAY_RUN_COLOR_TYPES(X, 3) SIDERAY_RUN_COLOR_TYPES(X, 4)                                                              \
   SIDERAY_RUN_TYPES(X, TexCoord, 1) SIDERAY_RUN_TYPES(X, TexCoord, 2) SIDERAY_RUN_TYPES(X, TexCoord, 3)                    \
   SIDERAY_RUN_TYPES(X, TexCoord, 4)
-// X(NAME, COUNT, SUFFIX, TYPE): the same of a texture unit, each with and without ARB behind its name.
+// X(NAME, COUNT, SUFFIX, TYPE): attributes of a texture unit, each with and without ARB behind its name.
 #define SIDERAY_RUN_UNIT_ATTRIBUTES(X)                                                                                   \
   SIDERAY_RUN_TYPES(X, MultiTexCoord, 1) SIDERAY_RUN_TYPES(X, MultiTexCoord, 2)                                            \
   SIDERAY_RUN_TYPES(X, MultiTexCoord, 3) SIDERAY_RUN_TYPES(X, MultiTexCoord, 4)

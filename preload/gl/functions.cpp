@@ -13,7 +13,7 @@ namespace {
 
 using Dlsym = void* (*)(void*, const char*);
 
-// The library exports a dlsym of its own, so that this one is asked for with its version.
+// Asks for dlsym with its version, since the library exports a dlsym of its own.
 Dlsym find_dlsym() {
   for (const char* version : {"GLIBC_2.34", "GLIBC_2.17", "GLIBC_2.2.5"})
     if (void* found = ::dlvsym(RTLD_NEXT, "dlsym", version)) return reinterpret_cast<Dlsym>(found);
@@ -80,7 +80,7 @@ void* real_symbol(const char* name) {
 
 
 void* real_egl_symbol(const char* name) {
-  // Asked for again and again: programs open it late.
+  // Tries again at each call, as programs may load libEGL late.
   static void* library = nullptr;
   if (!library) library = ::dlopen("libEGL.so.1", RTLD_LAZY | RTLD_NOLOAD);
   return library ? real_dlsym(library, name) : nullptr;

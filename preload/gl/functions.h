@@ -1,11 +1,11 @@
-// The driver's own functions.
+// Provides the driver's own functions.
 #pragma once
 
 #include "preload/gl/entry_points.h"
 
 namespace sideray::run {
 
-constexpr int kept_units = 4;  // of texture, whose state and coordinates are kept
+constexpr int kept_units = 4;  // texture units whose state and coordinates are kept
 
 struct Functions {
 #define MEMBER(name) decltype(&::gl##name) name = nullptr;
@@ -20,21 +20,21 @@ struct Functions {
 #undef MEMBER
 };
 
-// Found in libGL at the first call. What an old driver lacks is null.
+// Returns functions found in libGL at the first call; those that an old driver lacks are null.
 const Functions& real();
 
-// State of the current context.
+// Return state of the current context.
 GLint get_integer(GLenum name);
 bool is_enabled(GLenum name);
-// Texture units of the fixed function, of those whose state is kept (kept_units).
+// Returns the number of the fixed function's texture units, at most kept_units.
 int texture_units();
 
-// dlsym of the C library, and a function of the driver.
+// Return dlsym of the C library, and a function of the driver.
 void* real_dlsym(void* handle, const char* name);
 void* real_symbol(const char* name);
-// A function of libEGL; null where the process has not got it.
+// Returns a function of libEGL; null if the process has not loaded it.
 void* real_egl_symbol(const char* name);
-// The thread's context of OpenGL (not of OpenGL ES) that was made by EGL, or null.
+// Returns the thread's current context, if it is one of OpenGL (not OpenGL ES) by EGL, or null.
 void* current_egl_context();
 
 template <typename Function>

@@ -1,4 +1,4 @@
-// Objects of OpenGL that the library makes in the program's context.
+// Makes the library's OpenGL objects in the program's context.
 #pragma once
 
 #include <string>
@@ -7,13 +7,13 @@
 
 namespace sideray::run {
 
-// Throws sideray::Error where the driver does not take it. `vertex`: empty = the fixed function's vertices. `what`: for messages.
+// Throws sideray::Error if the driver refuses it. `vertex`: empty = fixed-function vertices. `what`: for messages.
 GLuint make_program(const std::string& vertex, const std::string& fragment, const std::string& what);
 
-// A texture that shows texels as they are. It is bound to the active unit.
+// Makes a texture without filtering and binds it to the active unit.
 GLuint make_texture();
 
-// Behind the units whose state is kept: the service binds its textures from here on.
+// The first unit for the service's textures, behind those whose state is kept.
 constexpr GLenum service_unit = kept_units;
 
 }  // namespace sideray::run

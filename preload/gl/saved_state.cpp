@@ -148,7 +148,7 @@ void SavedState::read_lighting() {
 
 void SavedState::apply() const {
   const Functions& gl = real();
-  // Places of lights, planes of clipping and of texture coordinates are kept in eye space.
+  // Light positions and planes of clipping and texture coordinates are stored in eye space.
   load_matrix(GL_MODELVIEW, unchanged.data());
   apply_lighting();
   for (GLenum i = 0; i < kept_planes; ++i) {
@@ -237,7 +237,7 @@ void SavedState::apply_lighting() const {
     gl.Lightf(name, GL_SPOT_CUTOFF, light.cutoff);
     for (size_t k = 0; k < attenuation.size(); ++k) gl.Lightf(name, attenuation[k], light.attenuation[k]);
   }
-  // Before the switch of colour materials is set: glColor would change what is set here.
+  // Turns colour materials off before: glColor would change the values set here.
   gl.Disable(GL_COLOR_MATERIAL);
   gl.ColorMaterial(as_enum(color_material_[0]), as_enum(color_material_[1]));
   for (GLenum side = 0; side < 2; ++side) {

@@ -1,4 +1,4 @@
-// All state of the fixed function that a draw depends on, read when the draw is held back and set again when it is made.
+// Saves the fixed-function state that a draw depends on when the draw is held back, and sets it for the later draw.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@ namespace sideray::run {
 class SavedState {
  public:
   static SavedState read();
-  // Leaves the matrices changed; call it between attributes that are pushed and popped (AllState).
+  // Changes the matrices without restoring them; call it while AllState is alive.
   void apply() const;
 
  private:
@@ -47,14 +47,14 @@ class SavedState {
   GLboolean depth_mask_, color_mask_[4];
 };
 
-// Pushes attributes, client state and the matrices of the fixed function; the destructor puts all back.
+// Pushes attributes, client state and the matrices of the fixed function; the destructor restores all.
 class AllState {
  public:
   AllState();
   ~AllState();
   AllState(const AllState&) = delete;
   AllState& operator=(const AllState&) = delete;
-  // Whether there was room on the attribute stacks. Where not, nothing may be drawn.
+  // Returns whether the attribute stacks had room. If not, nothing may be drawn.
   bool saved() const { return saved_; }
 
  private:

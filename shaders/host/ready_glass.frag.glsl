@@ -1,7 +1,7 @@
-// Behind the snippet. For glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA).
-uniform sampler2D sideray_texture;  // of unit 0, modulated
+// Follows the snippet. For glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA).
+uniform sampler2D sideray_texture;  // on unit 0, modulated
 uniform int sideray_textured;       // 0 = none
-uniform float sideray_surface;      // the surface id; 0 = as the fixed function draws it
+uniform float sideray_surface;      // the surface id; 0 = drawn as by the fixed function
 varying vec3 sideray_position;
 
 void main() {

@@ -1,14 +1,14 @@
 #version 120
-// Glass of a host without shaders: what its fixed function lights, and where in the world that is.
+// Glass of a host without shaders: computes the fixed function's lighting and the world position.
 uniform mat4 sideray_world_from_eye;
-uniform int sideray_lights;         // GL_LIGHT0 to this many are enabled; 0 = no lighting, glColor counts
-uniform int sideray_follows_color;  // GL_COLOR_MATERIAL: bits of SIDERAY_FOLLOW_*; 0 = it is off
+uniform int sideray_lights;         // GL_LIGHT0 to this many are enabled; 0 = no lighting, glColor is the colour
+uniform int sideray_follows_color;  // GL_COLOR_MATERIAL: bits of SIDERAY_FOLLOW_*; 0 = off
 uniform int sideray_local_viewer;   // GL_LIGHT_MODEL_LOCAL_VIEWER
 varying vec3 sideray_position;
 
 bool sideray_follows(int bit) { return mod(floor(float(sideray_follows_color) / float(bit)), 2.0) > 0.5; }
 
-// What is left of a light by its distance and its cone.
+// Returns the attenuation of a light by distance and cone.
 float sideray_fade(int i, vec3 to_light, float d) {
   if (gl_LightSource[i].position.w == 0.0) return 1.0;
   float fade = 1.0 / (gl_LightSource[i].constantAttenuation + gl_LightSource[i].linearAttenuation * d +

@@ -1,9 +1,9 @@
-// Behind the snippet, without a vertex shader: the fixed function transforms and lights vertices as ever, and its texture
-// coordinates of unit 7 are places in the world. For glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA).
-uniform sampler2D sideray_texture;  // of unit 0
+// Follows the snippet, without a vertex shader: the fixed function transforms and lights vertices, and its texture
+// coordinates of unit 7 are world positions. For glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA).
+uniform sampler2D sideray_texture;  // on unit 0
 uniform int sideray_textured;       // 0 = none
 uniform int sideray_environment;    // its mode: a sideray_texture_environment
-uniform float sideray_surface;      // the surface id; 0 = as the fixed function draws it
+uniform float sideray_surface;      // the surface id; 0 = drawn as by the fixed function
 
 vec4 sideray_textured_color(vec4 color, vec4 texel) {
   if (sideray_environment == 1) return vec4(mix(color.rgb, texel.rgb, texel.a), color.a);

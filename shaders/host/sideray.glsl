@@ -40,19 +40,19 @@ uniform vec4 sideray_viewport;     // pixel of gl_FragCoord.xy = xy * zw: origin
 uniform vec4 sideray_eye;          // xyz = eye (w = 1, perspective) or unit view direction (w = 0, orthographic)
 uniform vec4 sideray_near_plane;   // xyz = unit view direction; orthographic: distance = dot(xyz, world_position) + w
 uniform int sideray_rate;          // pixels that hold layers: 0 all, 1 a checkerboard, 2 every other row, 3 one of 2x2
-// Maps (x, y, 1), a pixel of the cache, to a direction along its view ray (perspective) or its point of the near plane.
+// Maps (x, y, 1), a pixel of the cache, to a direction along its view ray (perspective) or a point of the near plane.
 uniform mat3 sideray_ray_from_pixel;
 uniform mat4 sideray_clip_from_world;  // of the view that the cache was traced for
 uniform int sideray_match;         // SIDERAY_MATCH_*
 uniform float sideray_match_threshold;  // SIDERAY_MATCH_DISTANCE: a share of the distance
-uniform float sideray_subpixel;         // by how much of a pixel rasterization moves a vertex along x and along y, at most
+uniform float sideray_subpixel;         // the most that rasterization moves a vertex along x or along y, in pixels
 uniform int sideray_multisampled;       // the target has several samples a pixel
 
 #define SIDERAY_MATCH_ID 0
 #define SIDERAY_MATCH_NEAREST 1
 #define SIDERAY_MATCH_DISTANCE 2
 
-// Distance of a world position along its view ray, as layers store it.
+// Returns the distance of a world position along its view ray, as layers store it.
 float sideray_distance_to(vec3 world_position) {
   return sideray_eye.w > 0.5 ? distance(world_position, sideray_eye.xyz)
                              : dot(sideray_near_plane.xyz, world_position) + sideray_near_plane.w;
@@ -60,7 +60,7 @@ float sideray_distance_to(vec3 world_position) {
 
 float sideray_largest(vec3 v) { return max(max(abs(v.x), abs(v.y)), abs(v.z)); }
 
-// Bounds what rounding makes of a distance d.
+// Returns a bound on the rounding of a distance d.
 float sideray_rounding(vec3 world_position, float d) {
   float coordinates = max(sideray_largest(world_position), sideray_largest(sideray_eye.xyz));
   return max(d, 0.25 * coordinates) * 2.384e-7;  // 2^-22
@@ -162,17 +162,17 @@ ivec2 sideray_pixel() {
   return ivec2(floor((gl_FragCoord.xy - sideray_viewport.xy) * sideray_viewport.zw));
 }
 
-// A fragment, as it is looked for.
+// Describes a fragment for its search in the cache.
 struct SiderayFragment {
   ivec2 pixel;  // of the cache
   vec3 position, normal;  // of its plane; normal: unit, either side
   float distance;
-  float tolerance, older_tolerance;  // of the distance, at its own pixel
+  float tolerance, older_tolerance;  // of the distance, at the fragment's own pixel
   SIDERAY_UINT surface_id;
 };
 
-// Over large polygons, which begin behind the eye and end far away, drivers interpolate positions coarsely: they lie on the
-// polygon's plane, but up to several pixels beside the view ray. Returns the distance at which the ray meets the plane.
+// Returns the distance at which the view ray meets the fragment's plane. On large polygons, which begin behind the eye
+// and end far away, drivers interpolate positions coarsely: on the plane, but up to several pixels beside the ray.
 float sideray_on_ray(SiderayFragment f) {
   bool perspective = sideray_eye.w > 0.5;
   vec3 along = sideray_ray_from_pixel * vec3(f.pixel, 1.0);
@@ -183,7 +183,7 @@ float sideray_on_ray(SiderayFragment f) {
   return abs(farther) <= 0.5 * f.distance ? f.distance + farther : f.distance;
 }
 
-// Needs derivatives: call it where control flow is uniform.
+// Needs derivatives: call it in uniform control flow.
 SiderayFragment sideray_fragment(vec3 world_position, SIDERAY_UINT surface_id) {
   SiderayFragment f;
   f.pixel = sideray_pixel();
@@ -200,7 +200,7 @@ SiderayFragment sideray_fragment(vec3 world_position, SIDERAY_UINT surface_id) {
 
 bool sideray_is_even(int i) { return mod(float(i), 2.0) < 0.5; }
 
-// Whether a pixel of the cache was traced: it belongs to the pattern, or the second wave found something there.
+// Returns whether a pixel of the cache was traced: it belongs to the pattern, or the second wave found layers there.
 bool sideray_is_traced(ivec2 pixel) {
   if (sideray_rate == 0) return true;
   bool even_x = sideray_is_even(pixel.x), even_y = sideray_is_even(pixel.y);
@@ -208,8 +208,8 @@ bool sideray_is_traced(ivec2 pixel) {
   return of_pattern || SIDERAY_FETCH(sideray_distance, pixel, 0, sideray_cache_size).x != 0.0;
 }
 
-// The traced neighbours of a pixel that was not traced lie in pairs on opposite sides of it. Returns the offset of pair
-// 0, 1 or 2; zero if there are no more. At full rate, for outlines in multisampled targets, pairs 2 and 3 are the
+// Returns the offset of pair 0, 1 or 2; zero if there are no more. The traced neighbours of a pixel that was not traced
+// form pairs on opposite sides of it. At full rate, for outlines in multisampled targets, pairs 2 and 3 are the
 // diagonals.
 ivec2 sideray_pair(ivec2 pixel, int pair) {
   if (pair > 1 && sideray_rate == 0) return pair == 2 ? ivec2(1, 1) : ivec2(-1, 1);
@@ -226,11 +226,10 @@ bool sideray_is_within(ivec2 pixel, vec2 size) {
 }
 
 // Intersects the view ray of `pixel` with the fragment's plane. x = the distance, at most 0 where they do not meet; y =
-// how far from it a layer of the same surface may lie. Distances of pixels are not compared directly: at glancing
-// angles they change by more from pixel to pixel than surfaces lie apart. Along the plane's normal y allows rounding,
-// and an eighth of the distance between the two pixels' rays for curvature. A surface that is seen at angle i and turns
-// by cos(i) / 4 from pixel to pixel leaves its tangent plane by half that turn times the 1 / cos(i) between its two
-// points.
+// the tolerance for a layer of the same surface. Distances of different pixels are not compared directly, since at
+// glancing angles they differ by more than surfaces do. Along the plane's normal, y allows rounding and, for curvature,
+// an eighth of the distance between the two pixels' rays: a surface seen at angle i that turns by cos(i) / 4 per pixel
+// leaves its tangent plane by half that turn times the 1 / cos(i) between its two points.
 vec2 sideray_meet_plane(SiderayFragment f, ivec2 pixel) {
   vec3 along = sideray_ray_from_pixel * vec3(pixel, 1.0);
   bool perspective = sideray_eye.w > 0.5;
@@ -242,22 +241,22 @@ vec2 sideray_meet_plane(SiderayFragment f, ivec2 pixel) {
   return vec2(dot(f.normal, f.position - origin) / toward, off_plane / abs(toward));
 }
 
-// Index of the layer at a pixel of the pattern that the fragment's surface has there, in its plane, or -1.
+// Returns the index of the layer of the fragment's surface at a pixel of the pattern, in the fragment's plane, or -1.
 int sideray_donor(SiderayFragment f, ivec2 pixel) {
   if (!sideray_is_within(pixel, sideray_cache_size)) return -1;
   vec2 met = sideray_meet_plane(f, pixel);
-  // A fragment outside its triangle has a plane that says little about the neighbouring pixel.
+  // The plane of a fragment outside its triangle says little about the neighbouring pixel.
   if (sideray_has_samples()) met = vec2(met.x > 0.0 ? met.x : f.distance, max(met.y, 0.0) + 2.0 * f.tolerance);
   return met.x > 0.0 ? sideray_find_layer_at(pixel, met.x, met.y, f.surface_id) : -1;
 }
 
-// What the cache holds for a fragment.
+// Kinds of answers for a fragment.
 #define SIDERAY_NOTHING 0    // no answer: keep the raster look
 #define SIDERAY_ANSWER 1     // the radiance is C of dst = C*a + dst*T
 #define SIDERAY_REFRACTED 2  // the radiance includes what is seen through the surface: dst = C
 #define SIDERAY_HIDDEN 3     // the fragment lies behind a resolved surface: discard it
 
-// Reads the layer that was found for a fragment, and says what it is.
+// Reads the layer that was found for a fragment, and returns its kind of answer.
 int sideray_answer(ivec2 pixel, int layer, out vec3 radiance) {
   radiance = vec3(0.0);
   if (layer == SIDERAY_HIDDEN_LAYER) return SIDERAY_HIDDEN;
@@ -305,7 +304,7 @@ int sideray_from_donors(SiderayFragment f, out vec3 radiance) {
 int sideray_find_layer(vec3 world_position, SIDERAY_UINT surface_id) {
   if (surface_id == SIDERAY_NO_SURFACE || sideray_layers == 0) return -1;
   SiderayFragment f = sideray_fragment(world_position, surface_id);
-  // GLSL 1.20 has no max() of integers, and NVIDIA's compiler takes none.
+  // GLSL 1.20 has no max() of integers, and NVIDIA's compiler accepts none.
   int layer = sideray_find_within(f.pixel, f.distance, f.tolerance, f.older_tolerance, surface_id);
   return layer > -1 ? layer : -1;
 }
@@ -326,8 +325,8 @@ int sideray_look_up(vec3 world_position, SIDERAY_UINT surface_id, out vec3 radia
   return is_traced || answer == SIDERAY_HIDDEN ? answer : SIDERAY_NOTHING;
 }
 
-// Whether the cache has an answer for this fragment: C of dst = C*a + dst*T. For caches without refraction. Call it in
-// uniform control flow.
+// Returns whether the cache has an answer for this fragment: C of dst = C*a + dst*T. For caches without refraction.
+// Call it in uniform control flow.
 bool sideray_find(vec3 world_position, SIDERAY_UINT surface_id, out vec3 radiance) {
   radiance = vec3(0.0);
   if (surface_id == SIDERAY_NO_SURFACE) return false;
@@ -335,9 +334,9 @@ bool sideray_find(vec3 world_position, SIDERAY_UINT surface_id, out vec3 radianc
   return answer == SIDERAY_ANSWER || answer == SIDERAY_REFRACTED;
 }
 
-// Whether a second wave of rays should trace this fragment's pixel: it was not traced, no neighbour has a layer of the
-// surface, and some neighbour could have held one, because it has unused layers or its last layer lies farther away.
-// Otherwise the fragment lies behind the last layer that a cache of this size would hold.
+// Returns whether a second wave of rays should trace this fragment's pixel: it was not traced, no neighbour has a layer
+// of the surface, and some neighbour could have held one, because it has unused layers or its last layer is farther
+// away. Otherwise the fragment is behind the last layer that a cache of this size could hold.
 bool sideray_asks(vec3 world_position, SIDERAY_UINT surface_id) {
   if (surface_id == SIDERAY_NO_SURFACE || sideray_layers == 0 || sideray_rate == 0) return false;
   SiderayFragment f = sideray_fragment(world_position, surface_id);
@@ -358,7 +357,7 @@ bool sideray_asks(vec3 world_position, SIDERAY_UINT surface_id) {
   return room;
 }
 
-// Why a fragment has its answer or none.
+// Reasons for an answer, or for none.
 #define SIDERAY_MATCHED 0          // it has one
 #define SIDERAY_NOT_ASKED 1        // surface id 0, or no layers are bound yet
 #define SIDERAY_BEYOND 2           // it lies behind the pixel's last layer, and all layers are used: raise max_layers
@@ -366,7 +365,7 @@ bool sideray_asks(vec3 world_position, SIDERAY_UINT surface_id) {
 #define SIDERAY_OTHER_ID 4         // a layer lies where the fragment does, but has another surface id
 #define SIDERAY_OTHER_DISTANCE 5   // layers of this surface id lie elsewhere: other triangles, transform or matrices
 #define SIDERAY_OTHER_SURFACE 6    // neither: rays do not hit this surface, or the scene holds another one
-#define SIDERAY_BESIDE 7           // masks only: it is disoccluded, and takes the masks of its plane nearby
+#define SIDERAY_BESIDE 7           // masks only: the fragment is disoccluded and uses masks of its plane nearby
 
 int sideray_explain_miss(SiderayFragment f) {
   if (!sideray_is_within(f.pixel, sideray_cache_size)) return SIDERAY_NOT_TRACED;
@@ -398,7 +397,7 @@ int sideray_explain(vec3 world_position, SIDERAY_UINT surface_id) {
   return sideray_explain_miss(f);
 }
 
-// `color`, or the reason's colour where there is no answer: cyan BEYOND, blue NOT_TRACED, magenta OTHER_ID, yellow
+// Returns `color`, or the reason's colour if there is no answer: cyan BEYOND, blue NOT_TRACED, magenta OTHER_ID, yellow
 // OTHER_DISTANCE, red OTHER_SURFACE, white BESIDE.
 vec3 sideray_reason_color(vec3 color, int reason) {
   if (reason <= SIDERAY_NOT_ASKED) return color;
@@ -424,9 +423,9 @@ vec3 sideray_translucent(vec3 fallback, vec3 world_position, SIDERAY_UINT surfac
   return found ? radiance : fallback;
 }
 
-// Returns what a fragment of glass shows, for glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA): `raster`, the engine's own
-// colour, where there is no answer. Light that the surface bends replaces what is behind it, and what lies behind such a
-// surface is discarded, also with surface id 0.
+// Returns the colour of a fragment of glass for glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA); without an answer,
+// the engine's own colour, `raster`. Light that the surface bends replaces what is behind it, and fragments behind such
+// a surface are discarded, even with surface id 0.
 vec4 sideray_glass(vec4 raster, vec3 world_position, SIDERAY_UINT surface_id) {
   vec3 radiance;
   int answer = sideray_look_up(world_position, surface_id, radiance);
@@ -438,10 +437,10 @@ vec4 sideray_glass(vec4 raster, vec3 world_position, SIDERAY_UINT surface_id) {
   return vec4(radiance, answer == SIDERAY_REFRACTED ? 1.0 : raster.a);
 }
 
-// The same for hosts that show results a frame late, after the object or the camera has moved.
-// `previous_world_position` is the vertex position, interpolated, by the matrix that the object had in the frame of the
-// cache (sideray_service_placement() returns it). The layer is looked up where the view of the cache saw that position.
-// Needs derivatives: call these in uniform control flow.
+// The functions below do the same for hosts that show results a frame late, after the object or the camera has moved.
+// `previous_world_position` is the interpolated vertex position by the object's matrix in the frame of the cache (from
+// sideray_service_placement()). The layer is looked up at the pixel that showed that position in the cache's view. They
+// need derivatives: call them in uniform control flow.
 SiderayFragment sideray_moving_fragment(vec3 previous_world_position, SIDERAY_UINT surface_id, out bool in_picture) {
   SiderayFragment f;
   f.position = previous_world_position;
@@ -471,7 +470,7 @@ bool sideray_find_moving(vec3 previous_world_position, SIDERAY_UINT surface_id, 
   return true;
 }
 
-// Why sideray_find_moving() has an answer for this fragment or none; counted as by sideray_explain().
+// Returns why sideray_find_moving() has an answer for this fragment or none; counted as by sideray_explain().
 int sideray_explain_moving(vec3 previous_world_position, SIDERAY_UINT surface_id) {
   vec3 radiance;
   if (surface_id == SIDERAY_NO_SURFACE || sideray_layers == 0) return SIDERAY_NOT_ASKED;
@@ -479,7 +478,7 @@ int sideray_explain_moving(vec3 previous_world_position, SIDERAY_UINT surface_id
   bool in_picture;
   SiderayFragment f = sideray_moving_fragment(previous_world_position, surface_id, in_picture);
   if (!in_picture) return SIDERAY_NOT_TRACED;
-  // The distance at which that pixel's ray meets the plane.
+  // Uses the distance at which that pixel's ray meets the plane.
   vec2 met = sideray_meet_plane(f, f.pixel);
   f.distance = met.x;
   f.tolerance = met.y;
@@ -500,9 +499,9 @@ uniform sampler2D sideray_whole_radiance;
 uniform sampler2D sideray_whole_transmittance;  // alpha 1: the pixel is whole
 uniform int sideray_has_whole;
 
-// Whether this fragment's pixel is whole: everything translucent there was composited along its ray, in exact order
-// (sideray_layer_inputs::whole_pixels). One full-screen pass draws such pixels with sideray_whole(). Other translucent
-// fragments must not be drawn there: reject them by the stencil that this pass wrote, or discard them.
+// Returns whether this fragment's pixel is whole: all its translucent surfaces were composited along its ray, in exact
+// order (sideray_layer_inputs::whole_pixels). One full-screen pass draws such pixels with sideray_whole(). Other
+// translucent fragments must not be drawn there: reject them by the stencil that this pass wrote, or discard them.
 bool sideray_is_whole() {
   if (sideray_has_whole == 0) return false;
   ivec2 pixel = sideray_pixel();
@@ -510,7 +509,7 @@ bool sideray_is_whole() {
   return SIDERAY_FETCH_2D(sideray_whole_transmittance, pixel, sideray_cache_size).w > 0.5;
 }
 
-// What is seen at a whole pixel is added + picture * through.
+// Returns the colour of a whole pixel in two parts: added + picture * through.
 void sideray_whole(out vec3 added, out vec3 through) {
   ivec2 pixel = sideray_pixel();
   added = SIDERAY_FETCH_2D(sideray_whole_radiance, pixel, sideray_cache_size).rgb;
@@ -548,8 +547,8 @@ float sideray_shadow(int light) {
   return sideray_mask_layer(sideray_shadow_layer[light] - 1);
 }
 
-uniform sampler2DArray sideray_shadow_tints;  // 1 = all of the colour is left; red, green and blue of each tinted light
-uniform int sideray_tint_layer[33];           // the first of a light's three, counted from 1; 0 = nothing tints it
+uniform sampler2DArray sideray_shadow_tints;  // 1 = all of the colour passes; red, green and blue of each tinted light
+uniform int sideray_tint_layer[33];           // the first of a light's three layers, from 1; 0 = nothing tints it
 
 // Returns the share of a light's red, green and blue that translucent surfaces let through to the opaque surface of
 // this fragment's pixel; 1 without an answer, and for lights that nothing tints.
@@ -576,13 +575,13 @@ float sideray_ao() {
 
 uniform sampler2D sideray_irradiance_texels;  // alpha 0: not traced
 uniform vec2 sideray_irradiance_size;         // pixels
-uniform vec2 sideray_irradiance_corner;       // the first one in the framebuffer
+uniform vec2 sideray_irradiance_corner;       // framebuffer coordinates of the first pixel
 uniform int sideray_has_irradiance;
 
-// The light that other surfaces throw on the opaque surface at this fragment's pixel: irradiance over pi, to be added to the
-// ambient light of the sky times sideray_ao(), and multiplied by the matt albedo with it; black where there is no answer. A
-// channel may be negative, since it makes up for what the mask of the sky, which has one channel, says too bright: the sum is
-// not.
+// Returns the light that other surfaces reflect onto the opaque surface at this fragment's pixel: irradiance over pi.
+// Add it to the sky's ambient light times sideray_ao(), and multiply the sum by the diffuse albedo; it is black where
+// there is no answer. Channels may be negative, because the sky's mask, which has one channel, makes some of them too
+// bright; the sum is not negative.
 vec3 sideray_irradiance() {
   ivec2 pixel = ivec2(floor(gl_FragCoord.xy - sideray_irradiance_corner));
   if (sideray_has_irradiance == 0 || !sideray_is_within(pixel, sideray_irradiance_size)) return vec3(0.0);
@@ -602,7 +601,7 @@ bool sideray_is_answered(float least) {
   return least < 1.5 ? answers == 1.0 || answers == 3.0 : answers >= 2.0;
 }
 
-// Whether a light, numbered as the scene has them, has a mask at this fragment's pixel; and the sky.
+// Return whether a light, numbered as in the scene, or the sky has a mask at this fragment's pixel.
 bool sideray_has_shadow(int light) {
   if (light < 0) return false;
   int layer = light > 31 ? sideray_combined_layer : sideray_shadow_layer[light];
@@ -616,30 +615,29 @@ vec3 sideray_shadow_color_or(int light, vec3 fallback) {
 }
 float sideray_ao_or(float fallback) { return sideray_knows_ao() ? sideray_ao() : fallback; }
 
-// For a host that is being fitted with masks: what they say at this fragment's pixel, as a colour. Red is the light's share,
+// Shows the masks at this fragment's pixel as a colour, for a host that integrates them. Red is the light's share,
 // green the sky's; magenta: the light has no mask here.
 vec3 sideray_debug_masks(int light) {
   return sideray_has_shadow(light) ? vec3(sideray_shadow(light), sideray_ao(), 0.0) : vec3(1.0, 0.0, 1.0);
 }
 
-// Masks of an earlier frame, after surfaces or the camera have moved (sideray_mask_inputs::moving): a fragment looks
-// them up at the pixels that showed its point then. Its own pixel showed something else.
-uniform sampler2D sideray_mask_depth;  // of each pixel of the masks, along the camera's axis; 0 = nothing was drawn
+// The functions below look up masks of an earlier frame, after surfaces or the camera have moved
+// (sideray_mask_inputs::moving): at the pixels that showed the fragment's point then, not at its own pixel.
+uniform sampler2D sideray_mask_depth;  // depth of each mask pixel along the camera's axis; 0 = nothing was drawn
 uniform int sideray_has_mask_depth;
 uniform mat4 sideray_mask_clip_from_world;
-// Map (x, y, 1), a pixel of the masks, to the origin of its view ray and to its direction, 1 long along the camera's
-// axis.
+// Map (x, y, 1), a pixel of the masks, to its view ray's origin and direction, of length 1 along the camera's axis.
 uniform mat3 sideray_mask_start, sideray_mask_ray;
 uniform vec2 sideray_mask_error;  // a depth d is off by at most x * d * d + y
 
-// Where a fragment's masks are: four pixels and how much each of them counts, or no answer.
+// Holds the place of a fragment's masks: four pixels and their weights, or no answer.
 struct SiderayMaskPlace {
   ivec2 pixel;   // the lower left one
-  vec4 weights;  // of it, the one to its right, the one above, the one above that; their sum is 1, or 0 without an answer
+  vec4 weights;  // of it, its right neighbour, the ones above these; their sum is 1, or 0 without an answer
   int reason;    // SIDERAY_MATCHED, _BESIDE; without an answer SIDERAY_NOT_ASKED, _NOT_TRACED, _OTHER_SURFACE
 };
 
-// Whether a pixel of the masks shows the plane through `position`, within half a pixel's breadth, since surfaces curve.
+// Returns whether a pixel of the masks shows the plane through `position`, within half a pixel, since surfaces curve.
 bool sideray_mask_shows(ivec2 pixel, vec3 position, vec3 normal) {
   if (!sideray_is_within(pixel, sideray_mask_size)) return false;
   float depth = SIDERAY_FETCH_2D(sideray_mask_depth, pixel, sideray_mask_size).x;
@@ -649,7 +647,7 @@ bool sideray_mask_shows(ivec2 pixel, vec3 position, vec3 normal) {
   float rounding = sideray_largest(position) * 4.768e-7;  // 2^-21
   float off = abs(dot(normal, start + along * depth - position));
   float least = 0.5 * breadth + rounding + sideray_mask_error.x * depth * depth + sideray_mask_error.y;
-  // A plane that is seen nearly edge-on is close to everything far along it, so the distance is limited too.
+  // A plane seen nearly edge-on is close to everything far along it, so the distance is limited too.
   return off <= least && distance(start + along * depth, position) <= 32.0 * breadth / max(abs(dot(normal, normalize(along))), 0.02);
 }
 
@@ -670,7 +668,7 @@ SiderayMaskPlace sideray_find_masks_on(vec3 previous_world_position, vec3 normal
   place.reason = SIDERAY_MATCHED;
   place.pixel = ivec2(floor(at - 0.5));
   vec2 part = at - 0.5 - vec2(place.pixel);
-  // In a view that stands still each pixel takes its own masks, bit for bit.
+  // In a view at rest each pixel uses its own masks, bit for bit.
   part = mix(mix(part, vec2(0.0), vec2(lessThan(part, vec2(0.0078125)))), vec2(1.0), vec2(greaterThan(part, vec2(0.9921875))));
   place.weights = vec4((1.0 - part.x) * (1.0 - part.y), part.x * (1.0 - part.y), (1.0 - part.x) * part.y, part.x * part.y);
   if (!sideray_mask_shows(place.pixel, previous_world_position, normal)) place.weights.x = 0.0;
@@ -682,7 +680,7 @@ SiderayMaskPlace sideray_find_masks_on(vec3 previous_world_position, vec3 normal
     place.weights /= sum;
     return place;
   }
-  // A disoccluded surface has no masks: take those of its plane nearby.
+  // A disoccluded surface has no masks: uses those of its plane nearby.
   place.reason = SIDERAY_BESIDE;
   place.weights.x = 1.0;
   ivec2 middle = ivec2(floor(at));
@@ -699,14 +697,14 @@ SiderayMaskPlace sideray_find_masks_on(vec3 previous_world_position, vec3 normal
   return place;
 }
 
-// The same for a fragment of the surface itself; `previous_world_position` as for sideray_find_moving(). Needs derivatives: call
-// it where control flow is uniform.
+// Does the same for a fragment of the surface; `previous_world_position` as in sideray_find_moving(). Needs
+// derivatives: call it in uniform control flow.
 SiderayMaskPlace sideray_find_masks(vec3 previous_world_position) {
   vec3 normal = normalize(cross(dFdx(previous_world_position), dFdy(previous_world_position)));
   return sideray_find_masks_on(previous_world_position, normal);
 }
 
-// Reads a pixel, the one to its right, the one above, and the one above that; coordinates are clamped.
+// Reads the square of four pixels whose lower left one is `pixel`: the lower row, then the upper. Clamps coordinates.
 vec4 sideray_four_texels(sampler2DArray masks, ivec2 pixel, int layer) {
   vec2 last = sideray_mask_size - 1.0;
   ivec2 low = ivec2(clamp(vec2(pixel), vec2(0.0), last)), high = ivec2(clamp(vec2(pixel) + 1.0, vec2(0.0), last));
@@ -718,7 +716,7 @@ vec4 sideray_four_texels(sampler2DArray masks, ivec2 pixel, int layer) {
 
 bool sideray_has_masks(SiderayMaskPlace place) { return dot(place.weights, vec4(1.0)) > 0.0; }
 
-// As sideray_shadow(), _shadow_tint(), _shadow_color() and _ao(), at a place that sideray_find_masks() has found.
+// Return what sideray_shadow(), _shadow_tint(), _shadow_color() and _ao() do, at a place from sideray_find_masks().
 float sideray_shadow_at(SiderayMaskPlace place, int light) {
   int layer = light < 0 ? -1 : (light > 31 ? sideray_combined_layer : sideray_shadow_layer[light]) - 1;
   if (layer < 0 || !sideray_has_masks(place)) return 1.0;
@@ -747,7 +745,7 @@ float sideray_ao_at(SiderayMaskPlace place) {
                                  SIDERAY_FETCH_2D(sideray_ao_mask, high, sideray_mask_size).x));
 }
 
-// The same with the search, for one light; 1 without an answer. Shaders with several lights call sideray_find_masks()
+// Return the same, with the search; 1 without an answer. Shaders with several lights should call sideray_find_masks()
 // once.
 float sideray_shadow_moving(int light, vec3 previous_world_position) {
   return sideray_shadow_at(sideray_find_masks(previous_world_position), light);
@@ -759,8 +757,8 @@ vec3 sideray_shadow_color_moving(int light, vec3 previous_world_position) {
 
 float sideray_ao_moving(vec3 previous_world_position) { return sideray_ao_at(sideray_find_masks(previous_world_position)); }
 
-// Returns why this fragment has its masks or none: SIDERAY_MATCHED, _BESIDE, _NOT_ASKED, _NOT_TRACED (outside of the
-// earlier picture) or _OTHER_SURFACE (it was hidden, and its plane was not visible nearby).
+// Returns why this fragment has masks or none: SIDERAY_MATCHED, _BESIDE, _NOT_ASKED, _NOT_TRACED (outside the earlier
+// picture) or _OTHER_SURFACE (it was hidden, and its plane was not visible nearby).
 int sideray_explain_masks_moving(vec3 previous_world_position) {
   return sideray_find_masks(previous_world_position).reason;
 }

@@ -1,4 +1,4 @@
-// Resolves the G-buffer: light on opaque surfaces, sky where there are none.
+// Resolves the G-buffer: lights opaque surfaces, and shows the sky elsewhere.
 layout(location = 0) out vec4 o_color;
 
 uniform sampler2D gbuffer_albedo_metallic;
@@ -28,7 +28,7 @@ uniform float depth_of_nothing;
 uniform vec2 pixel_size;  // in normalized device coordinates
 
 #if (SR_LOBES & 16) != 0
-// The direction and the strength that the G-buffer's brush_bits() wrote; the former not yet about the normal.
+// Reads direction and strength as brush_bits() wrote them; the direction is not yet perpendicular to the normal.
 SrSurface brushed_of(SrSurface s, uvec2 bits) {
   vec2 code = vec2(bits.x & 0xffffu, bits.x >> 16) * (2.0 / 65535.0) - 1.0;
   vec3 d = vec3(code, 1.0 - abs(code.x) - abs(code.y));
@@ -51,7 +51,7 @@ SrSurface surface_at(ivec2 pixel) {
   s.metallic = albedo_metallic.w;
   s.diffuse = unlit ? vec3(0.0) : s.albedo * (1.0 - s.metallic);
 #if (SR_LOBES & 8) != 0
-  float of_metal = 0.0;  // the G-buffer holds what the whole base reflects
+  float of_metal = 0.0;  // the G-buffer holds f0 and f90 of the whole base
 #else
   float of_metal = s.metallic;
 #endif
@@ -109,6 +109,6 @@ void main() {
   if (!orthographic) along = 1.0 / along;
   vec3 position = ray_origin + ray_origin_x * ndc.x + ray_origin_y * ndc.y + direction * along;
   vec3 to_eye = direction_to_eye(position);
-  // Opaque surfaces reflect the sky in every direction, as in the reference.
+  // As in the reference, opaque surfaces reflect the sky in every direction.
   o_color = vec4(radiance_from(seen(surface_at(pixel), to_eye), position, to_eye), 1.0);
 }

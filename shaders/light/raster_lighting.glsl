@@ -1,12 +1,12 @@
-// Radiance that leaves a surface toward the eye: punctual lights with shadow maps, and the environment. SR_LOBES: as in
-// raster_material.glsl. SR_MASKS: of opaque pixels, whose shadows are in masks. SR_MANY_LIGHTS: there are more than blocks
-// hold.
+// Computes the radiance from a surface toward the eye: punctual lights with shadow maps, and the environment. SR_LOBES:
+// as in raster_material.glsl. SR_MASKS: for opaque pixels, whose shadows are in masks. SR_MANY_LIGHTS: there are more
+// lights than uniform blocks hold.
 struct LightRecord {
   vec4 position_range;
   vec4 direction_inner;
   vec4 intensity_outer;
-  // type, map: 0 none, 1 directional, 2 one frustum, 3 six faces; first layer; bits of the texel's size: world units
-  // for a directional light, else world units per unit of distance along the frustum's axis.
+  // type; map: 0 none, 1 directional, 2 one frustum, 3 six faces; first layer; bits of the texel's size: world units
+  // for a directional light, otherwise world units per unit of distance along the frustum's axis.
   ivec4 type_map_layer_texel;
 };
 #ifdef SR_MANY_LIGHTS
@@ -70,7 +70,7 @@ mat4 shadow_matrix(int i) {
 uniform int light_count;
 uniform bool shadows_on;
 uniform vec3 eye;
-uniform vec3 toward_eye;  // orthographic
+uniform vec3 toward_eye;  // for orthographic views
 uniform bool orthographic;
 uniform sampler2DArrayShadow directional_shadows;
 uniform sampler2DArrayShadow local_shadows;
@@ -91,7 +91,7 @@ SrLight light_at(int i) {
                  intensity_outer.w, light_type_map_layer_texel(i).x);
 }
 
-// Share of a 3x3 neighbourhood that the light reaches: four bilinear taps between texels weigh it as a tent.
+// Returns the lit share of a 3x3 neighbourhood: four bilinear taps between texels weigh it as a tent.
 float lit_share(sampler2DArrayShadow map, vec3 where, float layer) {
   vec2 step = 0.5 / vec2(textureSize(map, 0).xy);
   float reference = clamp(where.z, 0.0, 1.0);
@@ -101,9 +101,9 @@ float lit_share(sampler2DArrayShadow map, vec3 where, float layer) {
                  texture(map, vec4(where.xy + step, layer, reference)));
 }
 
-// Moves the lookup off the surface along its normal, in proportion to the sine of the angle between the normal and the
-// axis of the map: the filter reaches 1.5 texels along each side, 2.1 along the diagonal; the maps' slope offset of one
-// texel covers the rest.
+// Moves the lookup off the surface along its normal, in proportion to the sine of the angle between normal and map
+// axis: the filter reaches 1.5 texels along each side, 2.1 along the diagonal; the maps' slope offset of one texel
+// covers the rest.
 vec3 off_surface(vec3 position, vec3 normal, float n_axis, float texel) {
   return position + normal * (texel * (0.1 + 1.5 * sqrt(max(1.0 - n_axis * n_axis, 0.0))));
 }
@@ -133,7 +133,7 @@ float face_visibility(int i, vec3 position, vec3 normal, float texel_scale, floa
   return lit_share(local_shadows, vec3(uv, terms.x + terms.y / along), first_layer + face);
 }
 
-// `normal` on the light's side.
+// `normal` must be on the light's side.
 float visibility(int i, vec3 position, vec3 normal) {
   ivec4 r = light_type_map_layer_texel(i);
   if (!shadows_on || r.y == 0) return 1.0;
@@ -152,15 +152,15 @@ float visibility(int i, vec3 position, vec3 normal) {
 
 #ifdef SR_MASKS
 uniform uint shadow_mask_lights;        // bit i: light i has a mask
-uniform int combined_mask_layer;        // of the mask that lights from number 32 on share; -1: there is none
+uniform int combined_mask_layer;        // layer of the mask that lights from number 32 on share; -1: none
 uniform sampler2DArray shadow_masks;    // a layer for each bit, lowest first; 1 = lit
 uniform bool open_mask_on;
-uniform sampler2D open_mask;            // 1 = the whole sky is seen
-uniform int unhidden_mask_layer;        // of shadow_masks: 1 = nothing opaque is in the way; -1: as open_mask has it
+uniform sampler2D open_mask;            // 1 = the whole sky is visible
+uniform int unhidden_mask_layer;        // in shadow_masks, 1 = nothing opaque hides the sky; -1: the same as open_mask
 uniform bool bounced_on;
-uniform sampler2D bounced;              // light of other surfaces, over pi; A 0: not known
+uniform sampler2D bounced;              // light of other surfaces, over pi; A = 0: not known
 uniform bool mirrored_on;
-uniform sampler2D mirrored;             // radiance from the mirror direction, A: its share beside the environment's
+uniform sampler2D mirrored;             // radiance from the mirror direction; A: its weight against the environment's
 #endif
 
 #ifdef SR_ANSWERS
@@ -173,7 +173,7 @@ bool is_answered(uint bit) {
 #endif
 
 #ifdef SR_MASKS
-// Whether a mask says how much of a light arrives; otherwise its shadow map does.
+// Returns whether a mask holds the visible share of a light; otherwise its shadow map does.
 bool has_mask(int i) {
   bool masked = i < 32 ? ((shadow_mask_lights >> uint(i)) & 1u) != 0u : combined_mask_layer >= 0;
 #ifdef SR_ANSWERS
@@ -198,11 +198,11 @@ float reached_share(int i, vec3 position, vec3 normal) {
 }
 
 #ifdef SR_TINT_MAPS
-uniform sampler2DArray directional_tints, local_tints;  // rgb: optical depth; w: how far the first surface is
-uniform ivec2 tint_maps_of;                             // whether there are any of the two
+uniform sampler2DArray directional_tints, local_tints;  // rgb: optical depth; w: distance of the first surface
+uniform ivec2 tint_maps_of;                             // which of the two exist
 uniform bool tints_reversed;
 
-// Behind the first translucent surface of a texel all of them count.
+// Returns the tint at a distance from the light: none in front of a texel's first surface, behind it that of all.
 vec3 tint_from(sampler2DArray map, vec2 uv, float layer, float away) {
   ivec2 last = textureSize(map, 0).xy - 1;
   vec2 at = uv * vec2(last + 1) - 0.5;
@@ -219,7 +219,7 @@ vec3 tint_from(sampler2DArray map, vec2 uv, float layer, float away) {
   return sum;
 }
 
-// What translucent surfaces leave of a light's colour, by the maps.
+// Returns the share of a light's colour that translucent surfaces let pass, by the maps.
 vec3 tint_by_map(int i, vec3 position) {
   ivec4 r = light_type_map_layer_texel(i);
   if (!shadows_on || r.y == 0 || (r.y == 1 ? tint_maps_of.x : tint_maps_of.y) == 0) return vec3(1.0);
@@ -244,8 +244,8 @@ vec3 tint_by_map(int i, vec3 position) {
 #endif
 
 #ifdef SR_TINTS
-uniform sampler2DArray shadow_tints;  // red, green and blue of each tinted light; 1 = all is left
-uniform int tint_layers[33];          // the first of a light's three, counted from 1; [32]: of lights from number 32 on; 0: none
+uniform sampler2DArray shadow_tints;  // red, green and blue of each tinted light; 1 = all passes
+uniform int tint_layers[33];          // first of a light's three layers, from 1; [32]: of lights from 32 on; 0: none
 
 vec3 tint_by_mask(int i) {
   int layer = tint_layers[min(i, 32)] - 1;
@@ -257,7 +257,7 @@ vec3 tint_by_mask(int i) {
 #endif
 
 #if defined(SR_TINTS) || defined(SR_TINT_MAPS)
-// What translucent surfaces leave of a light's colour: what rays say where the light has a mask.
+// Returns the share of a light's colour that translucent surfaces let pass: by rays where the light has a mask.
 vec3 tint_of(int i, vec3 position) {
 #ifdef SR_MASKS
 #ifdef SR_TINTS
@@ -275,7 +275,7 @@ vec3 tint_of(int i, vec3 position) {
 #endif
 
 #ifdef SR_MASKS
-// Light of other surfaces; w 0: it is not known.
+// Returns the light of other surfaces; w = 0: it is not known.
 vec4 bounced_light() { return bounced_on ? texelFetch(bounced, ivec2(gl_FragCoord.xy), 0) : vec4(0.0); }
 #endif
 
@@ -283,7 +283,7 @@ vec3 irradiance_about(vec3 normal) {
   return textureLod(environment_irradiance, sr_latlong(normal), 0.0).xyz;
 }
 
-// Gives the environment's light that arrives, over pi, where masks say what hides it.
+// Returns the irradiance over pi from the environment, with its occluders and their light where masks know them.
 vec3 sky_light(vec3 normal, vec3 albedo) {
   vec3 from_here = irradiance_about(normal);
 #ifdef SR_MASKS
@@ -307,18 +307,18 @@ vec3 sky_light(vec3 normal, vec3 albedo) {
   return from_here;
 }
 
-// Reads model::AlbedoTable, whose first and last texels are of 0 and 1.
+// Reads model::AlbedoTable, whose first and last texels are at 0 and 1.
 vec3 albedos(float n_v, float roughness) {
   float size = float(textureSize(albedo_terms, 0).x);
   return textureLod(albedo_terms, (vec2(n_v, roughness) * (size - 1.0) + 0.5) / size, 0.0).xyz;
 }
 
-// Gives what the eye sees of a surface: sr_seen() with the table's albedos.
+// Returns the surface as the eye sees it: sr_seen() with the table's albedos.
 SrSurface seen(SrSurface away, vec3 to_eye) {
   SrSurface s = sr_facing(away, to_eye);
   float n_v = dot(s.normal, to_eye);
 #if (SR_LOBES & 16) != 0
-  // A G-buffer rounds normals: the direction is perpendicular to this one again.
+  // The G-buffer rounds normals, so the direction is made perpendicular again.
   vec3 along = s.along - s.normal * dot(s.normal, s.along);
   s.along = s.anisotropy > 0.0 ? along / max(length(along), 1e-6) : vec3(0.0);
   float roughness = sr_round_roughness(s);
@@ -334,14 +334,14 @@ SrSurface seen(SrSurface away, vec3 to_eye) {
 #endif
 }
 
-// Gives what a lobe about a normal shows of the environment; `mirror` is above the geometric surface.
+// Returns the environment's radiance in a lobe about `normal`; `mirror` must be above the geometric surface.
 vec3 environment_radiance(vec3 normal, vec3 mirror, float roughness) {
   vec3 direction = sr_dominant(normal, mirror, roughness);
   return textureLod(environment_specular, sr_latlong(direction), roughness * environment_last_level).xyz;
 }
 
-// Lets what has no mask or ray of its own see the light of matt surfaces: the open share of the sky, and of the rest what arrives
-// on average.
+// Returns the environment's light for lobes without masks or rays of their own: the visible share of the sky, plus the
+// average light of other surfaces.
 vec3 under_cover(vec3 of_sky) {
 #ifdef SR_MASKS
   vec4 thrown = bounced_light();
@@ -353,7 +353,7 @@ vec3 under_cover(vec3 of_sky) {
   return of_sky;
 }
 
-// Gives what the base mirrors, by rays where there were any, over the environment.
+// Returns the light that the base mirrors: traced by rays where available, blended over the environment's.
 vec3 over_environment(vec3 of_sky) {
   vec3 prefiltered = under_cover(of_sky);
 #ifdef SR_MASKS
@@ -373,7 +373,7 @@ vec3 environment_light(SrSurface s, vec3 geometric_normal, vec3 to_eye) {
   vec3 bent = sr_bent(s, to_eye);
   vec3 mirror = sr_lifted(reflect(-to_eye, bent), geometric_normal);
   vec3 prefiltered = environment_radiance(bent, mirror, sr_look_up_roughness(s));
-  // Rays toward the G-buffer's mirror directions know round lobes only.
+  // Rays toward the G-buffer's mirror directions only fit round lobes.
   around.specular = s.anisotropy > 0.0 ? under_cover(prefiltered) : over_environment(prefiltered);
 #else
   vec3 mirror = sr_lifted(reflect(-to_eye, s.normal), geometric_normal);
@@ -390,17 +390,17 @@ vec3 environment_light(SrSurface s, vec3 geometric_normal, vec3 to_eye) {
 #else
   around.coat = vec3(0.0);
 #endif
-  // Where a normal is no number, the look-ups give one all the same: so must this.
+  // Where the normal is NaN, lookups still return numbers, and so must this.
   float cosine = abs(n_v) > 0.0 ? min(abs(n_v), 1.0) : 0.0;
   return sr_environment(s, cosine, around);
 }
 
-// `s` as seen(). `geometric_normal` on the eye's side: no mirror direction goes below its plane.
+// `s` as from seen(). `geometric_normal` on the eye's side: no mirror direction goes below its plane.
 vec3 radiance_from(SrSurface s, vec3 geometric_normal, vec3 position, vec3 to_eye) {
   vec3 sum = sr_emitted(s);
   for (int i = 0; i < light_count; ++i) {
     SrIncidence incidence = sr_incidence(light_at(i), position);
-    // Beyond its range and outside its cone a light adds 0: neither its lobes nor its map are looked at.
+    // Beyond its range and outside its cone a light adds 0: skips its lobes and its map.
     if (!sr_faces(s, incidence.to_light) || incidence.irradiance == vec3(0.0)) continue;
     vec3 lit_side = dot(s.normal, incidence.to_light) < 0.0 ? -s.normal : s.normal;
 #if defined(SR_TINTS) || defined(SR_TINT_MAPS)
@@ -413,7 +413,7 @@ vec3 radiance_from(SrSurface s, vec3 geometric_normal, vec3 position, vec3 to_ey
   return sum + environment_light(s, geometric_normal, to_eye);
 }
 
-// The same with the shading normal for the geometric one.
+// Does the same with the shading normal as the geometric one.
 vec3 radiance_from(SrSurface s, vec3 position, vec3 to_eye) {
   return radiance_from(s, s.normal, position, to_eye);
 }

@@ -1,10 +1,10 @@
-// Temporal anti-aliasing: the picture averaged with those before, which were drawn from other places in the pixel and
-// are found by the motion of the opaque surface, the nearest one beside an edge. What the neighbourhood cannot explain
-// is clipped to its mean and variance (Salvi 2016, An Excursion in Temporal Supersampling), colours are mixed with less
-// weight for bright ones (Karis 2014, High-Quality Temporal Supersampling), and the past is filtered by Catmull-Rom in
-// five lookups (Jimenez 2016, Filmic SMAA).
+// Temporal anti-aliasing: averages the picture with the history, whose pictures have other jitter and are reprojected
+// by the motion of the opaque surface (at edges, of the nearest surface beside them). History is clipped to mean and
+// variance of the neighbourhood (Salvi 2016, An Excursion in Temporal Supersampling), bright colours have less weight
+// (Karis 2014, High-Quality Temporal Supersampling), and history is filtered by Catmull-Rom in five lookups (Jimenez
+// 2016, Filmic SMAA).
 layout(location = 0) out vec4 o_picture;
-layout(location = 1) out vec2 o_state;  // distance along the view axis; pictures in the average
+layout(location = 1) out vec2 o_state;  // distance along the view axis; number of pictures in the average
 
 uniform sampler2D temporal_picture;  // this frame's
 uniform sampler2D temporal_motion;
@@ -12,17 +12,17 @@ uniform sampler2D history_picture;   // linear
 uniform sampler2D history_state;
 uniform sampler2D gbuffer_depth;
 uniform bool has_history;
-uniform float least_pictures;        // that the past is an average of
+uniform float least_pictures;        // number of pictures in the history, at least
 uniform bool reversed_depth;
 uniform vec2 clip_z_from_depth;             // factor, offset
-uniform vec4 distance_now, distance_before;  // of clip space: distance along the axis of the view, times `share`
+uniform vec4 distance_now, distance_before;  // in clip space: distance along the axis of the view, times `share`
 uniform vec4 share;
 
 const float infinitely_far = 1e30;
 const float largest_half = 65504.0;
 const float least_weight = 0.1;        // of this frame
-const float deviations = 1.25;         // that the past may differ by
-const float same_distance = 0.9;       // nearer than this share: another surface, in front
+const float deviations = 1.25;         // that history may differ by
+const float same_distance = 0.9;       // nearer than this share: another surface in front
 const float weight_of_brightness = 16.0;  // relative to the neighbourhood's
 
 float luminance(vec3 c) {
@@ -37,7 +37,7 @@ vec3 rgb(vec3 c) {
   return vec3(c.x + c.y - c.z, c.x + c.z, c.x - c.y - c.z);
 }
 
-// No infinities: they would stay.
+// Removes infinities, which would never fade from history.
 vec4 picture_at(ivec2 pixel) {
   vec4 c = texelFetch(temporal_picture, clamp(pixel, ivec2(0), textureSize(temporal_picture, 0) - 1), 0);
   return vec4(c.x > 0.0 ? min(c.x, largest_half) : 0.0, c.y > 0.0 ? min(c.y, largest_half) : 0.0,
@@ -56,7 +56,7 @@ float distance_of(ivec2 pixel, float depth, vec4 axis) {
   return part > 0.0 ? min(dot(axis, clip) / part, infinitely_far) : infinitely_far;
 }
 
-// The nearest of the pixel and its diagonal neighbours.
+// Returns the nearest of the pixel and its diagonal neighbours.
 ivec2 nearest_pixel(ivec2 pixel, out float depth) {
   ivec2 nearest = pixel;
   depth = depth_at(pixel);
@@ -68,7 +68,7 @@ ivec2 nearest_pixel(ivec2 pixel, out float depth) {
   return clamp(nearest, ivec2(0), textureSize(gbuffer_depth, 0) - 1);
 }
 
-// All that was there is clearly in front of what is seen now: it was hidden.
+// Returns whether everything in the history there is clearly in front of the current surface, which was thus hidden.
 bool was_hidden(vec2 texel, float distance) {
   ivec2 last = textureSize(history_state, 0) - 1, at = ivec2(floor(texel));
   float farthest = texelFetch(history_state, clamp(at, ivec2(0), last), 0).x;
@@ -84,7 +84,7 @@ vec4 history_at(vec2 texel) {
   vec2 w2 = f * (0.5 + f * (2.0 - 1.5 * f)), w3 = f * f * (-0.5 + 0.5 * f);
   vec2 w12 = w1 + w2;
   vec2 at0 = (middle - 1.0) / size, at3 = (middle + 2.0) / size, at12 = (middle + w2 / w12) / size;
-  // The four corners weigh little and are left out.
+  // Omits the four corners, whose weights are small.
   vec4 sum = texture(history_picture, vec2(at12.x, at0.y)) * (w12.x * w0.y) +
              texture(history_picture, vec2(at0.x, at12.y)) * (w0.x * w12.y) +
              texture(history_picture, at12) * (w12.x * w12.y) +
@@ -112,7 +112,7 @@ Neighbourhood neighbourhood_of(ivec2 pixel) {
   return Neighbourhood(mean, sqrt(max(squares / 9.0 - mean * mean, 0.0)), least, largest);
 }
 
-// Toward the mean until it is inside.
+// Moves a colour toward the mean until it is inside.
 vec3 clipped(vec3 c, Neighbourhood n) {
   vec3 off = c - n.mean, units = abs(off) / max(deviations * n.deviation, 1e-6 + 1e-4 * abs(n.mean.x));
   return n.mean + off / max(1.0, max(units.x, max(units.y, units.z)));

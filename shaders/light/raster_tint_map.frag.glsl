@@ -1,9 +1,9 @@
-// What a translucent surface takes from a light's colour, as optical depth, summed up by blending; w by minimum: how far
-// from the light it is. A solid absorbs between its front and its back: the one subtracts its distance, the other adds it.
+// Writes the optical depth that a translucent surface adds to a light's rays, summed up by blending; w, by minimum: its
+// distance from the light. A solid absorbs between front and back: one subtracts its distance, the other adds it.
 layout(location = 0) out vec4 o_depth_away;
 
-uniform vec4 light_place;      // w 0: the direction to the light
-uniform float middle_away;  // the distance of the instance's middle, from which others count: halfs hold little
+uniform vec4 light_place;      // w = 0: the direction to the light
+uniform float middle_away;  // distance of the instance's centre, which others are relative to: halfs hold little
 uniform bool reversed_depth;
 in vec3 v_position;
 

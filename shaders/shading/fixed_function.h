@@ -1,34 +1,34 @@
-// The fixed function of OpenGL 1.x (The OpenGL Graphics System, version 2.1, sections 2.14 and 3.8.13), at a point: for ray
-// hits, as C++ scalars and SIMD lanes. The dialect is that of shading.h, behind which it is included.
+// The fixed function of OpenGL 1.x (The OpenGL Graphics System, version 2.1, sections 2.14 and 3.8.13) at a point, for
+// ray hits: as C++ scalars and SIMD lanes. In the dialect of shading.h, included after it.
 //
-// In a scene of the fixed function the members of an SrSurface hold what it reads, so that mirror rays, covers and
-// shadow rays go the ways of the built-in model:
+// In a scene of the fixed function the members of SrSurface have other meanings, so that mirror rays, covers and shadow
+// rays use the same code as for the built-in model:
 //
-//   normal            on the viewer's side; metallic: 1 where it is lit, -1 where the other side is
-//   emissive          what is there without lights, times the texture's factor
+//   normal            on the viewer's side; metallic: 1 if that side is lit, -1 if the other one is
+//   emissive          the colour without lights, times the texture's factor
 //   along             the ambient colour, and diffuse the diffuse one, times that factor
-//   sheen             the specular colour: times that factor too, unless it is added behind the texture
+//   sheen             the specular colour: times that factor too, unless it is added after the texture
 //   coat_roughness    the shininess
-//   albedo            the texture's factor, which is the most that the lit colour adds after it is clamped
-//   coat_normal       what the texture adds
+//   albedo            the texture's factor, which limits the lit colour
+//   coat_normal       the colour that the texture adds
 //   f0, f90           of the mirror, whose share is f0 + (f90 - f0) (1 - n.v)^5
 
 struct SrFixedMaterial {
-  real4 color;  // without lighting; alpha always
+  real4 color;  // the colour without lighting; alpha always applies
   real3 ambient;
   real3 diffuse;
   real3 specular;
   real3 emission;
   real3 reflectance;
-  real fresnel;  // 1: grows to 1 at grazing angles; as all that follow: 0 or 1
+  real fresnel;  // 1: reflectance grows to 1 at grazing angles; like all below, 0 or 1
   real shininess;
   real lit;
   real ambient_follows;  // the vertices' colours
   real diffuse_follows;
   real specular_follows;
   real emission_follows;
-  // The texture's factor: of_none + of_texel * texel + of_alpha * the texel's alpha; what it adds: texel times
-  // (adds + adds_alpha * the texel's alpha).
+  // The texture's factor is of_none + of_texel * texel + of_alpha * the texel's alpha; it adds texel * (adds +
+  // adds_alpha * the texel's alpha).
   real of_none;
   real of_texel;
   real of_alpha;
@@ -36,7 +36,7 @@ struct SrFixedMaterial {
   real adds_alpha;
   real replaces_alpha;
   real modulates_alpha;
-  real bends;  // light that goes through it is bent, or blurred: it reflects by its index of refraction
+  real bends;  // bends or blurs transmitted light: it reflects by its index of refraction
 };
 
 struct SrFixedModel {
@@ -45,7 +45,7 @@ struct SrFixedModel {
   one_real separate;   // 0 or 1
 };
 
-// `s`: what sr_seen() made of it. `texel`: of the texture, 1 where there is none; `vertex`: the vertices' colour.
+// `s`: from sr_seen(). `texel`: of the texture, 1 without one; `vertex`: the vertices' colour.
 SR_FN SrSurface sr_fixed_surface(SrSurface s, SrFixedMaterial m, SrFixedModel model, real4 texel, real4 vertex,
                                  boolean front, boolean blends, real3 to_eye) {
   real3 of_vertex = real3(vertex.x, vertex.y, vertex.z);
@@ -86,20 +86,20 @@ SR_FN SrSurface sr_fixed_surface(SrSurface s, SrFixedMaterial m, SrFixedModel mo
 }
 
 struct SrFixedLight {
-  one_real3 place;  // or the way to it
+  one_real3 place;  // or the direction to it
   one_real distant;  // 0 or 1
   one_real3 ambient;
   one_real3 diffuse;
   one_real3 specular;
-  one_real3 axis;  // the way the light travels
+  one_real3 axis;  // direction in which the light travels
   one_real exponent;
-  one_real cos_cutoff;    // below -1: it shines all around
+  one_real cos_cutoff;    // below -1: it shines in all directions
   one_real3 attenuation;  // constant, linear, quadratic
-  one_real3 viewer;       // the way to the viewer, unless he is local
+  one_real3 viewer;       // direction to the viewer, unless local
   one_real local_viewer;  // 0 or 1
 };
 
-// x^y for x of 0 to 1, to 1e-4: 0 for x = 0 unless y is 0. By the logarithm of the eighth root of x.
+// Returns x^y for x in 0..1, to 1e-4; 0 for x = 0 unless y is 0. Uses the logarithm of the eighth root of x.
 SR_FN real sr_fixed_power(real x, real y) {
   real root = sqrt(sqrt(sqrt(max(x, real(1e-30f)))));
   real w = (root - 1.0f) / (root + 1.0f);
@@ -113,7 +113,7 @@ SR_FN real sr_fixed_power(real x, real y) {
 struct SrFixedIncidence {
   real3 to_light;
   real distance;  // 1e30 for a distant light
-  real fade;      // by distance and by the cone
+  real fade;      // attenuation by distance and cone
 };
 
 SR_FN SrFixedIncidence sr_fixed_incidence(SrFixedLight light, real3 position) {
@@ -136,7 +136,7 @@ SR_FN SrFixedIncidence sr_fixed_incidence(SrFixedLight light, real3 position) {
   return i;
 }
 
-// What a light adds to the lit colour, and what its highlight adds.
+// Holds what a light adds to the lit colour, and its highlight.
 struct SrFixedGain {
   real3 lit;
   real3 shine;
@@ -162,7 +162,7 @@ SR_FN real3 sr_fixed_ambient(SrSurface s, SrFixedLight light, SrFixedIncidence i
   return sr_times(s.along, real3(light.ambient)) * i.fade;
 }
 
-// The displayed value, and over it what the mirror adds. `shine`: what is added behind the texture.
+// Returns the displayed value, plus what the mirror adds. `shine`: highlights that are added after the texture.
 SR_FN real3 sr_fixed_color(SrSurface s, real3 lit, real3 shine, real3 mirrored) {
   real3 textured = min(lit, s.albedo) + s.coat_normal + min(shine, sr_real3(1.0f));
   return min(textured, sr_real3(1.0f)) + sr_times(sr_specular_albedo(s), mirrored);

@@ -38,8 +38,8 @@ struct SrMaterial {
   boolean unlit;
 };
 
-// The textures' values at a point, 1 where there is none (the direction: the tangent's); colours are linear. Normals are
-// perturbed by the caller.
+// Holds the textures' values at a point, 1 without a texture (the direction: along the tangent); colours are linear.
+// The caller perturbs normals.
 struct SrTexels {
   real4 base_color;  // times the vertex colour
   real3 emissive;
@@ -68,11 +68,11 @@ struct SrSurface {
   real3 albedo;  // the base colour
   real metallic;
   real3 diffuse;
-  real3 behind;  // of diffuse light that arrives on the other side
+  real3 behind;  // for diffuse light that arrives on the other side
   real3 f0;
   real3 f90;
   real3 emissive;
-  real3 tint;  // of straight transmission, before Fresnel; 0 = none
+  real3 tint;  // for straight transmission, before Fresnel; 0 = none
   real alpha;
   real roughness;  // perceptual
   real occlusion;
@@ -81,10 +81,10 @@ struct SrSurface {
   real3 coat_normal;    // unit, on the viewer's side
   real3 sheen;
   real sheen_roughness;  // perceptual
-  real3 along;           // unit, perpendicular to the normal, in which the base's lobe is longest; 0 = anisotropy is 0
-  real anisotropy;       // the strength, 0..1
+  real3 along;           // unit, perpendicular to the normal: the base's lobe is longest along it; or 0
+  real anisotropy;       // strength, 0..1
   // For the direction to the eye: what the coat reflects, and what the sheen leaves to the layers below. sr_seen()
-  // fills it, and makes f0 and f90 those of all reflections between microfacets, which may be above 1.
+  // fills them, and makes f0 and f90 those of all reflections between microfacets, which may exceed 1.
   real coat_share;
   real below_sheen;
   real sheen_albedo;
@@ -108,7 +108,7 @@ SR_FN real sr_fifth_power(real x) {
   return x2 * x2 * x;
 }
 
-// sr_facing() and sr_seen() are still to be applied.
+// Makes the surface of a material; apply sr_facing() and sr_seen() to it.
 SR_FN SrSurface sr_surface(SrMaterial m, SrTexels t, real3 normal, real3 coat_normal) {
   SrSurface s;
   s.normal = normal;
@@ -141,7 +141,7 @@ SR_FN SrSurface sr_surface(SrMaterial m, SrTexels t, real3 normal, real3 coat_no
   s.sheen_roughness = clamp(m.sheen_roughness * t.sheen_roughness, 0.07f, 1.0f);
   s.along = sr_real3(0.0f);
   s.anisotropy = real(0.0f);
-  // Unlit: the base colour is what leaves the surface; nothing is reflected.
+  // An unlit surface emits its base colour and reflects nothing.
   s.emissive = sr_select(m.unlit, s.albedo, s.emissive);
   s.diffuse = sr_select(m.unlit, sr_real3(0.0f), s.diffuse);
   s.behind = sr_select(m.unlit, sr_real3(0.0f), s.behind);
@@ -156,22 +156,21 @@ SR_FN SrSurface sr_surface(SrMaterial m, SrTexels t, real3 normal, real3 coat_no
   return s;
 }
 
-// A shading normal that the eye can see: bent toward it as far as is missing. Interpolation and normal maps turn
-// normals away at the edges of round things; about such a one there is neither a mirror direction nor an albedo of a
-// lobe.
+// Returns a shading normal that the eye can see: bent toward the eye as far as needed. Interpolation and normal maps
+// turn normals away at silhouettes, and such a normal has neither a mirror direction nor lobe albedos.
 SR_FN real3 sr_toward_eye(real3 normal, real3 to_eye) {
   real missing = max(0.01f - dot(normal, to_eye), 0.0f);
   return sr_select(missing > 0.0f, normalize(normal + to_eye * missing), normal);
 }
 
-// The surface with both normals seen by the eye: before anything is looked up by an angle to it.
+// Returns the surface with both normals seen by the eye; call it before any lookup by an angle to the eye.
 SR_FN SrSurface sr_facing(SrSurface s, real3 to_eye) {
   s.normal = sr_toward_eye(s.normal, to_eye);
   s.coat_normal = sr_toward_eye(s.coat_normal, to_eye);
   return s;
 }
 
-// cos(2 pi t), to 1e-6, from operations that are exact everywhere: |t| < 2^22.
+// Returns cos(2 pi t) to 1e-6, by operations that are exact everywhere, for |t| < 2^22.
 SR_FN real sr_turned(real t) {
   real x = t - floor(t + 0.5f);
   real x2 = x * x;
@@ -181,7 +180,7 @@ SR_FN real sr_turned(real t) {
   return 1.0f - 2.0f * sine * sine;
 }
 
-// exp(-x) for x >= 0, to 2e-6, likewise.
+// Returns exp(-x) for x >= 0 to 2e-6, by such operations.
 SR_FN real sr_faded(real x) {
   real u = min(x, real(32.0f)) * 0.0625f;
   real grown =
@@ -194,9 +193,9 @@ SR_FN real sr_faded(real x) {
   return faded8 * faded8;
 }
 
-// Fringes of the first and the second order in linear sRGB: the spectra cos(2 pi path / wavelength), and of twice the
-// path, as an observer sees them (Belcour and Barla 2017: Gaussians of the frequency for CIE's colour matching
-// functions).
+// Holds fringes of the first and second order in linear sRGB: the spectra cos(2 pi path / wavelength), and the same for
+// twice the path, as an observer sees them (Belcour and Barla 2017: Gaussians of the frequency for CIE's colour
+// matching functions).
 struct SrFringes {
   real3 once;
   real3 twice;
@@ -210,7 +209,7 @@ SR_FN real3 sr_fringe(real3 waves, real second_wave) {
                0.0556434f * x - 0.2040259f * y + 1.0572252f * z);
 }
 
-// One Gaussian: x its wave, y that of twice the path.
+// Evaluates one Gaussian: x its wave, y that of twice the path.
 SR_FN real2 sr_waves(real path, real frequency, real width) {
   real wave = sr_turned(path * frequency);
   real faded = sr_faded(path * path * width);
@@ -218,7 +217,7 @@ SR_FN real2 sr_waves(real path, real frequency, real width) {
   return real2(wave * faded, (2.0f * wave * wave - 1.0f) * (faded2 * faded2));
 }
 
-// `path` in nanometres; beyond 15 micrometres nothing is left of the fringes.
+// `path` in nanometres; beyond 15 micrometres the fringes have vanished.
 SR_FN SrFringes sr_fringes(real path) {
   real length_in_film = min(path, real(20000.0f));
   real2 x = sr_waves(length_in_film, 1.6810e-3f, 1.70854696e-7f);
@@ -231,11 +230,11 @@ SR_FN SrFringes sr_fringes(real path) {
   return f;
 }
 
-// What a film over a base of reflectance f0 reflects of one channel. `first`: what its upper side reflects; `cosine`:
-// of the angle inside the film.
+// Returns the reflectance of a film over a base of reflectance f0, in one channel. `first`: reflectance of its upper
+// side; `cosine`: of the angle inside the film.
 SR_FN real sr_film_channel(real f0, real film_ior, real cosine, real first, real once, real twice) {
-  // The amplitude that the lower side reflects straight on, by the index of refraction that f0 says: below 0 the base
-  // is the thinner medium; a denser one reflects half a wave late.
+  // Amplitude of the lower side's reflection at normal incidence, by the index of refraction that f0 implies: below 0
+  // where the base is the thinner medium; a denser one reflects half a wave late.
   real amplitude = sqrt(sr_saturate(f0));
   real above = film_ior * (1.0f - amplitude);
   real jump = (1.0f + amplitude - above) / (1.0f + amplitude + above);
@@ -249,8 +248,8 @@ SR_FN real sr_film_channel(real f0, real film_ior, real cosine, real first, real
   return sr_saturate(first + from_below + 2.0f * (from_below - passed) * amplitude_of_both * fringes);
 }
 
-// What a film in air, `thickness` nanometres thick, over a base of reflectance f0 reflects toward an eye at the angle
-// of `cosine`: two orders of interference, as KHR_materials_iridescence states them.
+// Returns the reflectance of a film in air, `thickness` nanometres thick, over a base of reflectance f0, at the angle
+// of `cosine`: two orders of interference, as KHR_materials_iridescence defines them.
 SR_FN real3 sr_film_reflectance(real3 f0, real film_ior, real thickness, real cosine) {
   real inverse_ior = 1.0f / film_ior;
   real inside = sqrt(max(1.0f - inverse_ior * inverse_ior * (1.0f - cosine * cosine), 0.0f));
@@ -262,13 +261,13 @@ SR_FN real3 sr_film_reflectance(real3 f0, real film_ior, real thickness, real co
                sr_film_channel(f0.z, film_ior, inside, first, f.once.z, f.twice.z));
 }
 
-// The surface, facing the eye, with its film: before sr_seen(). f0 becomes the one whose Fresnel term (Schlick) is, at
-// the eye's angle to the normal, what the film reflects there: a pixel of a G-buffer holds it.
+// Returns the surface, facing the eye, with its film; call it before sr_seen(). f0 becomes the value whose Fresnel term
+// (Schlick), at the eye's angle to the normal, equals the film's reflectance there, so that a G-buffer can hold it.
 SR_FN SrSurface sr_filmed(SrSurface s, SrMaterial m, SrTexels t, real3 to_eye) {
   real thickness = mix(m.iridescence_thickness_min, m.iridescence_thickness_max, t.iridescence_thickness);
   boolean has_film = thickness > 0.0f && !m.unlit;
   real share = sr_select(has_film, sr_saturate(m.iridescence * t.iridescence), real(0.0f));
-  boolean filmed = share > 0.0f;  // the index of another may be anything
+  boolean filmed = share > 0.0f;  // without a film the index may be anything
   if (sr_any(filmed)) {
     real cosine = clamp(dot(s.normal, to_eye), 0.005f, 1.0f);
     real3 reflected = sr_film_reflectance(s.f0, m.iridescence_ior, thickness, cosine);
@@ -280,8 +279,8 @@ SR_FN SrSurface sr_filmed(SrSurface s, SrMaterial m, SrTexels t, real3 to_eye) {
   return s;
 }
 
-// The surface, facing the eye, with its brushed lobe: before sr_seen(). `front_normal` and `tangent`: the interpolated
-// ones of the front face, as for sr_perturb(); where there is no frame, the lobe is round.
+// Returns the surface, facing the eye, with its brushed lobe; call it before sr_seen(). `front_normal` and `tangent`:
+// interpolated, of the front face, as for sr_perturb(); without a tangent frame the lobe is round.
 SR_FN SrSurface sr_brushed(SrSurface s, SrMaterial m, SrTexels t, real3 front_normal, real4 tangent) {
   real x = t.anisotropy_along * m.anisotropy_cosine - t.anisotropy_across * m.anisotropy_sine;
   real y = t.anisotropy_along * m.anisotropy_sine + t.anisotropy_across * m.anisotropy_cosine;
@@ -297,20 +296,20 @@ SR_FN SrSurface sr_brushed(SrSurface s, SrMaterial m, SrTexels t, real3 front_no
   return s;
 }
 
-// The alphas of the base's lobe along and across (KHR_materials_anisotropy); both are those of the roughness where
-// nothing is anisotropic.
+// Returns the alphas of the base's lobe along and across (KHR_materials_anisotropy); without anisotropy, both are that
+// of the roughness.
 SR_FN real2 sr_alphas(SrSurface s) {
   real a = s.roughness * s.roughness;
   return real2(mix(a, real(1.0f), s.anisotropy * s.anisotropy), a);
 }
 
-// The roughness of a round lobe whose albedo is about that of the base's lobe.
+// Returns the roughness of a round lobe with about the same albedo as the base's lobe.
 SR_FN real sr_round_roughness(SrSurface s) {
   real2 a = sr_alphas(s);
   return sr_select(s.anisotropy > 0.0f, sqrt(sqrt(0.5f * (a.x * a.x + a.y * a.y))), s.roughness);
 }
 
-// The cosine at which that lobe is masked as much as the base's toward the eye.
+// Returns the cosine at which the round lobe is masked as much as the base's lobe is toward the eye.
 SR_FN real sr_round_cosine(SrSurface s, real3 to_eye) {
   real2 a = sr_alphas(s);
   real n_v = abs(dot(s.normal, to_eye));
@@ -320,21 +319,21 @@ SR_FN real sr_round_cosine(SrSurface s, real3 to_eye) {
   return sr_select(s.anisotropy > 0.0f, sqrt(z2 / max(z2 + x * x + y * y, 1e-20f)), n_v);
 }
 
-// The base's albedo terms from those of the round lobe at |n.v| and at sr_round_cosine(): the sum is the latter's, which
-// is within 7 % of what the lobe reflects, and Fresnel's part of it the former's.
+// Returns the base's albedo terms from those of the round lobe at |n.v| (`terms`) and at sr_round_cosine() (`masked`).
+// Their sum is that of `masked`, within 7 % of what the lobe reflects; Fresnel's part is that of `terms`.
 SR_FN real2 sr_brushed_terms(SrSurface s, real2 terms, real2 masked) {
   real ratio = sr_select(s.anisotropy > 0.0f, (masked.x + masked.y) / max(terms.x + terms.y, 1e-3f), real(1.0f));
   return real2(terms.x * ratio, terms.y * ratio);
 }
 
-// The roughness that a brushed lobe is looked up with in prefiltered surroundings.
+// Returns the roughness for lookups of a brushed lobe in the prefiltered environment.
 SR_FN real sr_look_up_roughness(SrSurface s) {
   return s.roughness;
 }
 
-// The normal about which a brushed lobe is looked up in prefiltered surroundings: bent toward the eye within the plane
-// across `along`, as far as the lobe is longer than broad. An approximation, that of the extension's sample viewer:
-// round prefiltered lobes cannot be long ones.
+// Returns the normal for lookups of a brushed lobe in the prefiltered environment: bent toward the eye in the plane
+// across `along`, more the longer the lobe is. It is the approximation of the extension's sample viewer: round
+// prefiltered lobes cannot be long.
 SR_FN real3 sr_bent(SrSurface s, real3 to_eye) {
   real3 across = cross(s.normal, s.along);
   real3 bent = cross(cross(across, to_eye), across);
@@ -346,31 +345,31 @@ SR_FN real3 sr_bent(SrSurface s, real3 to_eye) {
   return sr_select(brushed, mixed * (1.0f / max(size, 1e-6f)), s.normal);
 }
 
-// A direction that leaves the geometric surface: lifted as far as is missing, where a bent normal sends it in.
+// Returns a direction that leaves the geometric surface: lifted as far as needed where a bent normal sends it inside.
 SR_FN real3 sr_lifted(real3 direction, real3 geometric_normal) {
   real missing = max(0.001f - dot(direction, geometric_normal), 0.0f);
   return sr_select(missing > 0.0f, normalize(direction + geometric_normal * missing), direction);
 }
 
-// Where a lobe about `mirror` is brightest under even surroundings: toward the normal by more the rougher it is (Lagarde
-// and de Rousiers 2014, "Moving Frostbite to Physically Based Rendering", 4.9.3). Prefiltered radiance, whose lobes are
-// those of a view along the normal, is looked up there.
+// Returns the direction in which a lobe about `mirror` is brightest in uniform surroundings: the rougher, the nearer to
+// the normal (Lagarde and de Rousiers 2014, "Moving Frostbite to Physically Based Rendering", 4.9.3). Prefiltered
+// radiance, whose lobes are those of a view along the normal, is looked up there.
 SR_FN real3 sr_dominant(real3 normal, real3 mirror, real roughness) {
   real a = roughness * roughness;
   real smooth_share = max(1.0f - a, 0.0f);
   return normalize(mix(normal, mirror, smooth_share * (sqrt(smooth_share) + a)));
 }
 
-// How many times as much leaves a rough surface as its lobe of one reflection gives: what other microfacets catch leaves
-// it too, having been reflected once more. Turquin 2019, "Practical multiple scattering compensation for microfacet
-// models": a white metal loses nothing.
+// Returns the factor by which multiple scattering increases the single reflection of a rough surface: light that other
+// microfacets catch is reflected once more (Turquin 2019, "Practical multiple scattering compensation for microfacet
+// models"). A white metal loses nothing.
 SR_FN real3 sr_repeated(real3 f0, real2 albedo_terms) {
   real kept = clamp(albedo_terms.x + albedo_terms.y, 0.05f, 1.0f);
   return sr_real3(1.0f) + f0 * (1.0f / kept - 1.0f);
 }
 
-// The surface, facing the eye, as the eye sees it; for each surface once. `albedo_terms`: x and y of model::AlbedoTable
-// at (|n.v|, roughness), or sr_brushed_terms(). `sheen_albedo`: its z at (|n.v|, sheen_roughness).
+// Returns the surface, facing the eye, as the eye sees it; call it once for each surface. `albedo_terms`: x and y of
+// model::AlbedoTable at (|n.v|, roughness), or sr_brushed_terms(). `sheen_albedo`: its z at (|n.v|, sheen_roughness).
 SR_FN SrSurface sr_seen(SrSurface s, real3 to_eye, real2 albedo_terms, real sheen_albedo) {
   real3 repeated = sr_repeated(s.f0, albedo_terms);
   s.f0 = sr_times(s.f0, repeated);
@@ -383,7 +382,7 @@ SR_FN SrSurface sr_seen(SrSurface s, real3 to_eye, real2 albedo_terms, real shee
   return s;
 }
 
-// Tangent-space normal from a normal map onto a world-space frame; tangent.w = +-1, or 0 where there is no frame.
+// Applies a normal map's tangent-space normal to a world-space frame; tangent.w = +-1, or 0 without a frame.
 SR_FN real3 sr_perturb(real3 normal, real4 tangent, real3 map, real scale) {
   real3 t = real3(tangent.x, tangent.y, tangent.z);
   real3 b = cross(normal, t) * tangent.w;
@@ -396,7 +395,7 @@ SR_FN real3 sr_fresnel(real3 f0, real3 f90, real cosine) {
   return f0 + (f90 - f0) * sr_fifth_power(1.0f - sr_saturate(cosine));
 }
 
-// Distribution times visibility of the GGX lobe about `normal`, without Fresnel and cosine.
+// Returns distribution times visibility of the GGX lobe about `normal`, without Fresnel and cosine.
 SR_FN real sr_ggx(real3 normal, real3 h, real n_l, real n_v, real roughness) {
   real n_h = sr_saturate(dot(normal, h));
   real a = roughness * roughness;
@@ -408,7 +407,7 @@ SR_FN real sr_ggx(real3 normal, real3 h, real n_l, real n_v, real roughness) {
   return d * 0.5f / max(n_l * sqrt(n_v * n_v * (1.0f - a2) + a2) + n_v * sqrt(n_l * n_l * (1.0f - a2) + a2), 1e-6f);
 }
 
-// The same of the brushed lobe of the base (Heitz 2014).
+// Returns the same for the base's brushed lobe (Heitz 2014).
 SR_FN real sr_long_ggx(SrSurface s, real3 to_eye, real3 to_light, real3 h, real n_l, real n_v) {
   real2 a = sr_alphas(s);
   real3 across = cross(s.normal, s.along);
@@ -416,7 +415,7 @@ SR_FN real sr_long_ggx(SrSurface s, real3 to_eye, real3 to_light, real3 h, real 
   real x = dot(s.along, h) * a.y;
   real y = dot(across, h) * a.x;
   real z = n_h * a.x * a.y;
-  // a.x a.y times the slopes' term, so that nothing is divided by small numbers but at the end.
+  // a.x a.y times the slopes' term, so that only the last step divides by small numbers.
   real f = x * x + y * y + z * z;
   real a2 = a.x * a.y;
   real d = a2 * a2 * a2 / (3.14159265f * max(f * f, 1e-30f));
@@ -428,7 +427,7 @@ SR_FN real sr_long_ggx(SrSurface s, real3 to_eye, real3 to_light, real3 h, real 
          max(n_l * sqrt(v_x * v_x + v_y * v_y + n_v * n_v) + n_v * sqrt(l_x * l_x + l_y * l_y + n_l * n_l), 1e-6f);
 }
 
-// The same of the sheen lobe: distribution of Estevez and Kulla 2017, visibility of Neubelt and Pettineo 2013.
+// Returns the same for the sheen lobe: distribution of Estevez and Kulla 2017, visibility of Neubelt and Pettineo 2013.
 SR_FN real sr_sheen(real n_h, real n_l, real n_v, real roughness) {
   real inverse_alpha = 1.0f / (roughness * roughness);
   real sine2 = max(1.0f - n_h * n_h, 1e-7f);
@@ -436,13 +435,13 @@ SR_FN real sr_sheen(real n_h, real n_l, real n_v, real roughness) {
   return d / max(4.0f * (n_l + n_v - n_l * n_v), 1e-4f);
 }
 
-// Whether light from there can matter: from in front, or through the surface.
+// Returns whether light from a direction can matter: from the front, or through the surface.
 SR_FN boolean sr_faces(SrSurface s, real3 to_light) {
   return dot(s.normal, to_light) > 0.0f || max(s.behind.x, max(s.behind.y, s.behind.z)) > 0.0f;
 }
 
-// Radiance toward the eye per unit of irradiance measured perpendicular to `to_light`, BSDF times cosine: of the lobes
-// that scatter everywhere (diffuse, through the surface, sheen) and of those about the mirror direction (base, coat).
+// Holds radiance toward the eye per irradiance perpendicular to `to_light`, which is BSDF times cosine: of the lobes
+// that scatter everywhere (diffuse, transmitted diffuse, sheen) and of those about the mirror direction (base, coat).
 struct SrReflection {
   real3 wide;
   real3 glossy;
@@ -482,24 +481,24 @@ SR_FN real3 sr_reflect_light(SrSurface s, real3 to_eye, real3 to_light) {
   return r.wide + r.glossy;
 }
 
-// Emission as it leaves through the coat.
+// Returns the emission that leaves through the coat.
 SR_FN real3 sr_emitted(SrSurface s) {
   return s.emissive * (1.0f - s.coat_share);
 }
 
-// What the base reflects of light from everywhere alike.
+// Returns what the base reflects of uniform light from all directions.
 SR_FN real3 sr_specular_albedo(SrSurface s) {
   return s.f0 * s.albedo_terms.x + s.f90 * s.albedo_terms.y;
 }
 
-// The share of diffuse light from everywhere alike that Fresnel's term leaves, as sr_reflection() takes it at the half vector
-// of each direction: the integral of (1 - v.h)^5 n.l / pi over the hemisphere is a polynomial of n.v to 1e-5.
+// Returns the share of uniform light that Fresnel leaves to the diffuse lobe, with each direction's half vector as in
+// sr_reflection(): the integral of (1 - v.h)^5 n.l / pi over the hemisphere is a polynomial of n.v to 1e-5.
 SR_FN real3 sr_diffuse_share(SrSurface s, real n_v) {
   real grazing = 0.02816534f + n_v * (n_v * (0.08649786f + n_v * (n_v * 0.00900354f - 0.04371874f)) - 0.0798652f);
   return max(sr_real3(1.0f) - s.f0 - (s.f90 - s.f0) * grazing, sr_real3(0.0f));
 }
 
-// The surroundings of a point, as the lobes see them. Irradiance is E / pi; radiance is prefiltered or traced.
+// Holds the surroundings of a point for the lobes. Irradiance is E / pi; radiance is prefiltered or traced.
 struct SrSurroundings {
   real3 irradiance;  // about the normal
   real3 behind;      // irradiance about the opposite normal
@@ -507,11 +506,11 @@ struct SrSurroundings {
   real3 coat;        // radiance that the coat's lobe reflects
 };
 
-// Gives the environment's light that arrives, over pi, what comes by way of what hides the rest of it included. What is
-// opaque and hides a share h stands upright on this surface and is of its albedo: it sees this surface in a share h / 2 and
-// the environment in the rest, p; half of that is behind this surface. So x = open * E + h * albedo * y with
-// y = p * E' + (1 - p) * albedo * x and E' the mean of E on both sides. Under a white furnace x = 1. `from_here` and
-// `from_behind`: E about the normal and about the opposite one; `unhidden` is 1 - h.
+// Returns the environment's irradiance over pi, including light that arrives by way of occluders. Opaque occluders of a
+// share h are taken to stand upright on this surface and to have its albedo: an occluder sees this surface in a share
+// h / 2, and in the rest, p, the environment, half of it behind this surface. So x = open * E + h * albedo * y with
+// y = p * E' + (1 - p) * albedo * x, where E' is the mean of E on both sides. In a white furnace x = 1. `from_here` and
+// `from_behind`: E about the normal and about its opposite; `unhidden` is 1 - h.
 SR_FN real3 sr_sky_light(real3 from_here, real3 from_behind, real open, real unhidden, real3 albedo) {
   real hidden = 1.0f - unhidden;
   real seen_from_there = 0.5f + unhidden * 0.5f;
@@ -531,9 +530,9 @@ SR_FN real3 sr_environment(SrSurface s, real n_v, SrSurroundings light) {
   return ((base * s.below_sheen + sheen) * (1.0f - s.coat_share) + light.coat * s.coat_share) * s.occlusion;
 }
 
-// Straight transmission of a transmissive surface per channel: tint times what is not reflected. A rough surface reflects as
-// much as its lobe does, so that nothing is lost between its microfacets; a smooth one what the table, which has no
-// infinitely many angles, says less exactly.
+// Returns the straight transmission per channel: tint times what is not reflected. A rough surface reflects as much as
+// its lobe does, so that no light is lost between its microfacets; for a smooth one, Fresnel is more exact than the
+// table, which has few angles.
 SR_FN real3 sr_transmittance(SrSurface s, real3 to_eye) {
   real3 mirrored = sr_fresnel(s.f0, s.f90, abs(dot(s.normal, to_eye)));
   real3 reflected = sr_select(s.roughness > 0.04f, sr_specular_albedo(s), mirrored);
@@ -541,7 +540,7 @@ SR_FN real3 sr_transmittance(SrSurface s, real3 to_eye) {
   return sr_times(s.tint, through) * (s.below_sheen * (1.0f - s.coat_share));
 }
 
-// Factors of dst = radiance * cover + dst * through. blend: 0 alpha, 1 premultiplied, 2 additive, 3 multiply.
+// Holds the factors of dst = radiance * cover + dst * through. blend: 0 alpha, 1 premultiplied, 2 additive, 3 multiply.
 struct SrBlend {
   real cover;
   real3 through;
@@ -560,7 +559,7 @@ SR_FN SrBlend sr_blend(SrSurface s, real3 to_eye, integer blend) {
 
 struct SrLight {
   one_real3 position;
-  one_real3 direction;  // the way the light travels
+  one_real3 direction;  // in which the light travels
   one_real3 intensity;
   one_real range;  // 0 = unlimited
   one_real cos_inner;
@@ -574,7 +573,7 @@ struct SrIncidence {
   real3 irradiance;  // perpendicular to to_light
 };
 
-// Light arriving at `position` without regard to visibility; fall-off as in KHR_lights_punctual.
+// Returns the light that arrives at `position`, regardless of occluders; attenuation as in KHR_lights_punctual.
 SR_FN SrIncidence sr_incidence(SrLight light, real3 position) {
   SrIncidence i;
   if (light.type == 0) {
@@ -601,7 +600,7 @@ SR_FN SrIncidence sr_incidence(SrLight light, real3 position) {
   return i;
 }
 
-// Texture coordinates of a unit direction in a lat-long image whose first row is +Y: centre = -Z, u grows toward +X.
+// Returns lat-long texture coordinates of a unit direction; the first row is +Y, centre = -Z, u grows toward +X.
 SR_FN real2 sr_latlong(real3 direction) {
   return real2(0.5f + sr_atan2(direction.x, -direction.z) * 0.159154943f,
                acos(clamp(direction.y, -1.0f, 1.0f)) * 0.318309886f);

@@ -1,11 +1,11 @@
-// Camera-facing sprites, once for raster fragments (GLSL) and ray hits (C++): dialect and definitions of shading.h,
-// which comes first.
+// Camera-facing sprites, for both raster fragments (GLSL) and ray hits (C++): in the dialect of shading.h, included
+// after it.
 
-// A sprite's surface: radiance where it is not lit, else the albedo of a diffuse surface. `fade` 0..1 takes the whole
-// of it away; `blend` as in sr_blend.
+// Returns a sprite's surface: it emits radiance if it is not lit, otherwise it has a diffuse albedo. `fade` 0..1
+// removes all of it; `blend` as in sr_blend.
 SR_FN SrSurface sr_sprite(real4 color, real3 normal, boolean lit, real fade, integer blend) {
   SrSurface s;
-  // A blend that is added whole does not fade with alpha.
+  // Premultiplied radiance is added completely, so alpha does not fade it.
   real3 radiance = real3(color.x, color.y, color.z) * sr_select(blend == 1, fade, real(1.0f));
   s.normal = normal;
   s.albedo = radiance;
@@ -33,24 +33,24 @@ SR_FN SrSurface sr_sprite(real4 color, real3 normal, boolean lit, real fade, int
   return s;
 }
 
-// Too little alpha to be there, before fading; what premultiplied sprites add needs no alpha.
+// Returns whether alpha is too small to draw, before fading; premultiplied sprites add light without alpha.
 SR_FN boolean sr_sprite_absent(real alpha, integer blend) {
   return blend != 1 && alpha < 1.0f / 255.0f;
 }
 
-// Share that is left `gap` before an opaque surface along the view axis; `soft_distance` 0 = all.
+// Returns the share that remains at a distance of `gap` in front of an opaque surface; `soft_distance` 0 = all.
 SR_FN real sr_soft_fade(real gap, real soft_distance) {
   return sr_select(soft_distance > 0.0f, sr_saturate(gap / max(soft_distance, 1e-20f)), real(1.0f));
 }
 
-// Mip level of a whole sprite: `texels` of a cell across its `size`, where a pixel is `pixel` wide, in world units.
+// Returns the mip level of a whole sprite: `texels` of a cell across its `size`; a pixel is `pixel` wide, world units.
 SR_FN real sr_sprite_level(real2 texels, real2 size, real pixel, real last_level) {
   real across = max(texels.x / size.x, texels.y / size.y) * pixel;
   return clamp(log2(max(across, 1e-6f)), 0.0f, last_level);
 }
 
-// Where to read a flip-book at `corner` of a cell (0..1 each way, from the top left): half a texel of the coarser of
-// the two levels read stays between the place and the next cell, so that none of it is mixed in.
+// Returns where to read a flip-book at `corner` of a cell (0..1 each way, from the top left): at least half a texel of
+// the coarser of the two mip levels away from the next cell, so that its texels are not mixed in.
 SR_FN real2 sr_sprite_place(real2 corner, real2 cell, real2 cells, real2 texels, real level) {
   real half_texel = 0.5f * exp2(ceil(level));
   real inset_x = min(half_texel, 0.5f * texels.x), inset_y = min(half_texel, 0.5f * texels.y);

@@ -1,6 +1,6 @@
-// How wind moves a vertex, once for GLSL and C++ (through shading_cpp.h; dialect: shading.h). Trunk, branches and
-// leaves as in GPU Gems 3, chapter 16 (Sousa 2007), on its smooth triangle waves: arithmetic alone, so that both
-// languages agree to rounding.
+// Moves a vertex by wind, in both GLSL and C++ (through shading_cpp.h; dialect: shading.h). Trunk, branches and leaves
+// as in GPU Gems 3, chapter 16 (Sousa 2007), with its smooth triangle waves: plain arithmetic, so that both languages
+// agree except for rounding.
 
 struct SrWind {
   one_real3 direction;  // unit, object space
@@ -11,7 +11,7 @@ struct SrWind {
   one_real wavelength;
 };
 
-// Where the waves of trunk, branches and leaves are: cycles, reduced to 0..1 by the caller in double precision.
+// Holds the phases of trunk, branches and leaves: cycles, reduced to 0..1 by the caller in double precision.
 struct SrWindPhase {
   real trunk;
   real branch;
@@ -22,13 +22,13 @@ SR_FN real sr_fract(real x) {
   return x - floor(x);
 }
 
-// -1..1, period 1, smooth.
+// Returns a smooth wave in -1..1 of period 1.
 SR_FN real sr_wave(real x) {
   real t = abs(sr_fract(x) * 2.0f - 1.0f);
   return t * t * (3.0f - 2.0f * t) * 2.0f - 1.0f;
 }
 
-// By how much a vertex at `position` (object space, neutral) moves.
+// Returns the offset of a vertex at `position` (object space, neutral).
 SR_FN real3 sr_wind(SrWind wind, SrWindPhase phase, real3 position) {
   real up = clamp(position.y * (1.0f / wind.height), 0.0f, 2.0f);
   real sway = 0.75f * sr_wave(phase.trunk) + 0.25f * sr_wave(2.0f * phase.trunk + 0.3f);
@@ -44,7 +44,7 @@ SR_FN real3 sr_wind(SrWind wind, SrWindPhase phase, real3 position) {
                      flutter;
 }
 
-// The length that sr_wind() stays within at any time.
+// Returns a bound on the length of sr_wind() at any time.
 SR_FN real sr_wind_bound(SrWind wind, real3 position) {
   real up = clamp(position.y * (1.0f / wind.height), 0.0f, 2.0f);
   real across = sqrt(position.x * position.x + position.z * position.z);

@@ -1,15 +1,15 @@
-// Whether a fragment took another surface's layer, by all surfaces along its pixel's ray (gl/passes/layer_truth.h).
-uniform usampler2D true_first;     // of each pixel, row by row from the bottom: where its surfaces begin
+// Tests whether a fragment took another surface's layer, by all surfaces along its ray (gl/passes/layer_truth.h).
+uniform usampler2D true_first;     // index of each pixel's first surface, row by row from the bottom
 uniform usampler2D true_surfaces;  // x = bits of the distance, y = surface id
-uniform int true_columns;          // of the picture
+uniform int true_columns;          // width of the picture
 
 uvec2 listed(usampler2D list, uint i) {
   uint width = uint(textureSize(list, 0).x);
   return texelFetch(list, ivec2(i % width, i / width), 0).xy;
 }
 
-// Another id; or another surface of this id along the ray is nearer to the fragment than the one that the layer is:
-// that whose distance is nearest to the layer's.
+// Returns whether the layer has another id, or is not that of the surface of this id nearest to the fragment. A layer
+// belongs to the true surface whose distance is nearest to its own.
 bool is_misassigned(int layer, vec3 position, uint surface_id) {
   ivec2 pixel = ivec2((gl_FragCoord.xy - sideray_viewport.xy) * sideray_viewport.zw);
   if (texelFetch(sideray_surface_id, ivec3(pixel, layer), 0).x != surface_id) return true;

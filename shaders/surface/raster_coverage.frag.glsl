@@ -1,7 +1,7 @@
-// Coverage alone: mask, shadow maps, fragment counts and the second wave's mask. Defines: SR_ALPHA (leave absent
-// fragments out), SR_LOCATED with SR_COUNTED (of fragments that look the layer cache up, those that found an answer 1,
-// found none 2, found another surface's at their own pixel 3, ask for one 4), SR_REST (write where rays hit it), SR_MOTION
-// (write by how much it moved).
+// Draws only coverage: mask, shadow maps, fragment counts and the second wave's mask. Defines: SR_ALPHA (discards
+// absent fragments), SR_LOCATED with SR_COUNTED (keeps fragments that look up the layer cache and 1 find an answer, 2
+// find none, 3 find another surface's at their own pixel, 4 request a second wave), SR_REST (writes where rays hit the
+// surface), SR_MOTION (writes motion vectors).
 #ifdef SR_LOCATED
 in vec3 v_position;
 uniform uint traced_surface_id;

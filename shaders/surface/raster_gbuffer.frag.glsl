@@ -1,11 +1,11 @@
-// Opaque and masked surfaces into the G-buffer: what raster_light.frag.glsl needs to make the same SrSurface again.
-// SR_HOLES: fragments may be absent. With a thin film somewhere, f0 and f90 are those of the whole base.
+// Writes opaque and masked surfaces into the G-buffer, so that raster_light.frag.glsl can restore the SrSurface.
+// SR_HOLES: fragments may be absent. With a thin film anywhere, f0 and f90 are those of the whole base.
 layout(location = 0) out vec4 o_albedo_metallic;
 layout(location = 1) out vec4 o_normal_roughness;
 layout(location = 2) out vec4 o_emissive_occlusion;
 layout(location = 3) out vec4 o_specular;  // dielectric f0, and f90; f90 -1 = unlit
 #if (SR_LOBES & 16) != 0
-layout(location = 4) out uvec4 o_ids;  // the same, how the surface is brushed: direction (octahedral), strength
+layout(location = 4) out uvec4 o_ids;  // also direction (octahedral) and strength of anisotropy
 #else
 layout(location = 4) out uvec2 o_ids;      // surface id, triangle + 1
 #endif
@@ -30,7 +30,7 @@ uniform bool orthographic;
 const float largest_half = 65504.0;
 
 #if (SR_LOBES & 16) != 0
-// Direction and strength of sr_brushed(), as brushed_of() reads them.
+// Encodes direction and strength of sr_brushed(), as brushed_of() reads them.
 uvec2 brush_bits(SrSurface s) {
   if (s.anisotropy <= 0.0) return uvec2(0u);
   vec3 d = s.along / (abs(s.along.x) + abs(s.along.y) + abs(s.along.z));
@@ -55,7 +55,7 @@ void main() {
 #if (SR_LOBES & 8) != 0
   SrSurface base = sr_filmed(sr_facing(s, to_eye), m, texels, to_eye);
 #else
-  // With metallic 0, f0 and f90 are those of the dielectric part alone.
+  // With metallic 0, f0 and f90 are those of the dielectric part only.
   SrTexels dielectric_texels = texels;
   dielectric_texels.metallic = 0.0;
   SrSurface base = sr_surface(m, dielectric_texels, normal, normal);

@@ -1,6 +1,6 @@
-// The material of the surface being drawn. SR_MAPS: bit k set = texture slot k may be present (order as below, that of
-// model/material_slots.h). SR_LOBES: 1 clear coat, 2 sheen, 4 diffuse transmission, 8 a thin film, 16 anisotropy;
-// what is not set is left out.
+// The material of the surface being drawn. SR_MAPS: bit k set = texture slot k may be present (in the order below, that
+// of model/material_slots.h). SR_LOBES: 1 clear coat, 2 sheen, 4 diffuse transmission, 8 thin film, 16 anisotropy;
+// others are omitted.
 layout(std140) uniform Material {
   vec4 base_color;
   vec4 emissive_metallic;
@@ -11,8 +11,8 @@ layout(std140) uniform Material {
   vec4 coat_roughness_normal_scale;      // xyz
   vec4 sheen_color_roughness;
   vec4 diffuse_transmission_color_share;
-  vec4 film_ior_thickness;  // share, ior, thickness where the texture is 0 and 1
-  vec4 anisotropy_cosine_sine;  // strength, and of the rotation
+  vec4 film_ior_thickness;  // share, ior, thickness at texture values 0 and 1
+  vec4 anisotropy_cosine_sine;  // strength, cosine and sine of the rotation
   ivec4 unlit_blend_alpha_mode_maps;  // maps: bit k set = slot k has a texture
   vec4 texture_from_uv[38];           // two rows a slot; w of the first is the uv set
 }
@@ -93,7 +93,7 @@ vec4 base_color_texel() {
 #endif
 }
 
-// Whether a fragment of this texel is left out: MASK below its cut-off, BLEND below what 8 bits can show.
+// Returns whether a fragment with this texel is absent: MASK below its cut-off, BLEND below what 8 bits can show.
 bool is_absent(vec4 texel) {
   float alpha = material.base_color.w * texel.w;
   int mode = material.unlit_blend_alpha_mode_maps.z;
@@ -184,7 +184,7 @@ SrTexels surface_texels(vec4 base_color) {
 #if (SR_MAPS & 0x40) != 0
   t.thickness = texture(thickness_map, map_position(6)).y;
 #endif
-  // A solid absorbs once, where it is entered.
+  // A solid absorbs once, where rays enter it.
   if (v_solid != 0u && !gl_FrontFacing) t.thickness = 0.0;
 #if (SR_MAPS & 0x80) != 0
   t.specular = texture(specular_map, map_position(7)).w;
@@ -227,21 +227,21 @@ SrTexels surface_texels(vec4 base_color) {
   return t;
 }
 
-// The interpolated normal, bent by a normal map's texel.
+// Returns the interpolated normal, bent by a normal map's texel.
 vec3 bent_normal(vec3 normal, vec3 texel, float scale) {
   vec3 tangent = v_tangent.xyz / max(length(v_tangent.xyz), 1e-20);
   return sr_perturb(normal, vec4(tangent, v_tangent.w), texel * 2.0 - 1.0, scale);
 }
 
 #if (SR_LOBES & 16) != 0
-// sr_brushed() in the frame of the surface that is drawn.
+// Applies sr_brushed() in the frame of the drawn surface.
 SrSurface brushed_surface(SrSurface s, SrMaterial m, SrTexels t) {
   vec3 tangent = v_tangent.xyz / max(length(v_tangent.xyz), 1e-20);
   return sr_brushed(s, m, t, normalize(v_normal), vec4(tangent, v_tangent.w));
 }
 #endif
 
-// On the side that is seen, as the next one.
+// Returns the shading normal on the visible side.
 vec3 surface_normal() {
   vec3 n = normalize(v_normal);
 #if (SR_MAPS & 0x4) != 0
@@ -251,7 +251,7 @@ vec3 surface_normal() {
   return gl_FrontFacing ? n : -n;
 }
 
-// The coat has its own map: without one it is smooth over a bumpy base.
+// Returns the coat's normal on the visible side; without a map of its own the coat is smooth over a bumpy base.
 vec3 surface_coat_normal() {
   vec3 n = normalize(v_normal);
 #if (SR_MAPS & 0x800) != 0

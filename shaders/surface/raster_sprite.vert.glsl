@@ -1,5 +1,5 @@
-// Sprites: squares in planes parallel to the picture, one an instance. Defines: SR_LIT (colour is an albedo),
-// SR_COVERAGE (nothing but the place).
+// Draws sprites: squares parallel to the picture, one for each instance. Defines: SR_LIT (colour is an albedo),
+// SR_COVERAGE (only the position).
 layout(location = 0) in vec3 in_position;
 layout(location = 1) in vec2 in_half_size;
 layout(location = 2) in vec2 in_turn;  // cosine and sine of the rotation
@@ -14,7 +14,7 @@ uniform vec4 depth_from_local;  // along the view axis, from the eye
 uniform ivec2 flip_book;    // columns and rows
 uniform vec2 cell_texels;
 uniform float last_level;
-uniform vec2 pixel_at_depth;  // world units a pixel: x + y * depth
+uniform vec2 pixel_at_depth;  // world units of a pixel: x + y * depth
 
 out vec2 v_corner;  // 0..1 each way, from the top left of the cell
 flat out vec4 v_color;

@@ -1,6 +1,6 @@
 // Vertex stage of every pass that draws surfaces: one text and an invariant position, so that the passes agree bit for
-// bit. Defines: SR_ALPHA (uv and colour are wanted), SR_SHADED (everything), SR_LOCATED (the position), SR_WIND (wind
-// moves it; after wind.h), SR_REST (where rays hit it), SR_MOTION (where it was in the frame before).
+// bit. Defines: SR_ALPHA (outputs uv and colour), SR_SHADED (everything), SR_LOCATED (the position), SR_WIND (wind
+// moves vertices; included after wind.h), SR_REST (where rays hit), SR_MOTION (positions in the frame before).
 layout(location = 0) in vec3 in_position;
 layout(location = 1) in vec3 in_normal;
 layout(location = 2) in vec4 in_tangent;
@@ -19,7 +19,7 @@ layout(location = 13) in uvec2 in_id_traits;  // surface id; 1 mirrored, 2 solid
 layout(location = 14) in float in_wind_phase;
 #endif
 #ifdef SR_MOTION
-layout(location = 15) in vec3 in_position_before;  // where is_shaped_before says so
+layout(location = 15) in vec3 in_position_before;  // where is_shaped_before is set
 #endif
 
 uniform mat4 clip_from_local;
@@ -45,18 +45,18 @@ flat out uint v_solid;
 #endif
 
 #ifdef SR_REST
-// From where the vertex is drawn to where rays hit it, and the most that wind moves it by; world units.
+// Offset from the drawn vertex to where rays hit it, and the most that wind moves it; world units.
 out vec4 v_rest;
-uniform uint rest_poses;  // that instances share: 0 = the neutral one, 0xffffffff = each has its own
+uniform uint rest_poses;  // number of shared poses: 0 = the neutral one, 0xffffffff = each instance has its own
 #endif
 
 #ifdef SR_MOTION
-// Clip space without jitter, x y w: alike interpolated, so that what stands still has no motion to the last bit.
+// Clip space without jitter, x y w: interpolated in the same way, so that still surfaces have exactly no motion.
 out vec3 v_now;
 out vec3 v_before;
 uniform mat4 still_from_local, before_from_local;
-uniform bool is_placed_before;  // the transform was another one
-uniform bool is_shaped_before;  // the vertices were elsewhere in the mesh
+uniform bool is_placed_before;  // the transform has changed
+uniform bool is_shaped_before;  // the mesh's vertices have moved
 uniform mat4 local_before_from_object;
 #ifdef SR_WIND
 uniform vec3 wind_cycles_before;
@@ -80,7 +80,7 @@ vec3 moved_at(float phase) {
 }
 #endif
 
-// Where the vertex is in object space now.
+// Returns the vertex's current position in object space.
 vec3 position_now() {
 #ifdef SR_WIND
   return in_position + moved_at(in_wind_phase);
@@ -99,7 +99,7 @@ void main() {
 #ifdef SR_REST
   v_rest = vec4(0.0);
 #ifdef SR_WIND
-  // As rt/poses/foliage.cpp chooses: its own pose, the copy nearest in phase, or the neutral one.
+  // Chooses as rt/poses/foliage.cpp does: its own pose, the copy nearest in phase, or the neutral one.
   vec3 met = vec3(0.0);
   bool own = rest_poses == 0xffffffffu;
   if (own) {
@@ -110,7 +110,7 @@ void main() {
   }
   vec3 away = met - moved_at(in_wind_phase);
   float scale = max(length(in_local_x), max(length(in_local_y), length(in_local_z)));
-  // Twice the reach of wind where both ends move.
+  // Twice the range of wind where both ends move.
   float most = sr_wind_bound(wind_here(), in_position) * (own ? 0.0 : rest_poses == 0u ? 1.0 : 2.0);
   v_rest = vec4(in_local_x * away.x + in_local_y * away.y + in_local_z * away.z, most * scale);
 #endif
@@ -132,7 +132,7 @@ void main() {
 #ifdef SR_SHADED
   v_normal = in_normal_x * in_normal.x + in_normal_y * in_normal.y + in_normal_z * in_normal.z;
   vec3 tangent = in_local_x * in_tangent.x + in_local_y * in_tangent.y + in_local_z * in_tangent.z;
-  // A mirroring transform turns the frame's handedness around.
+  // A mirroring transform reverses the frame's handedness.
   v_tangent = vec4(tangent, (in_id_traits.y & 1u) != 0u ? -in_tangent.w : in_tangent.w);
   v_surface_id = in_id_traits.x;
   v_solid = (in_id_traits.y >> 1) & 1u;

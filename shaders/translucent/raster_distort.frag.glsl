@@ -1,5 +1,5 @@
-// How far surfaces move what is seen behind them, summed up by blending: xy in picture heights, x to the right and y
-// up; w by maximum: how near the nearest of them is, 0 = none.
+// Writes how far surfaces shift the picture behind them, summed up by blending: xy in picture heights, x to the right
+// and y up; w, by maximum: nearness of the nearest one, 0 = none.
 layout(location = 0) out vec4 o_offset_nearness;
 
 uniform vec3 view_right, view_up;  // unit

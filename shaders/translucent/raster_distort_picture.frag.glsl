@@ -1,6 +1,6 @@
-// The opaque picture, where something distorts it: a copy of it read at the offset, bilinear, up to its border. Texels
-// that lie before the nearest distorting surface are not seen through it and do not count; where no other is left, the
-// colour stays. rt/layers/distortion.cpp is the same on the CPU.
+// Distorts the opaque picture: reads a copy of it at the offset, bilinear, up to its border. Texels in front of the
+// nearest distorting surface do not count, as they are not seen through it; if none is left, the colour stays.
+// rt/layers/distortion.cpp does the same on the CPU.
 layout(location = 0) out vec4 o_color;
 
 uniform sampler2D distortion_offsets;
@@ -11,7 +11,7 @@ uniform bool reversed_depth;
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   vec4 offset = texelFetch(distortion_offsets, pixel, 0);
-  // No picture is a million heights large: what is not below has a normal that is no number.
+  // Offsets of a million picture heights come from normals that are NaN or infinite.
   if (offset.w == 0.0 || !(dot(offset.xy, offset.xy) < 1e12)) discard;
   ivec2 last = textureSize(opaque_picture, 0) - 1;
   vec2 at = clamp(vec2(pixel) + offset.xy * float(last.y + 1), vec2(0.0), vec2(last));

@@ -1,8 +1,8 @@
-// Where translucent fragments go: dst = added + dst * through in every blend mode; alpha is a fourth channel, whose
+// Writes translucent fragments: dst = added + dst * through in every blend mode; alpha is a fourth channel, whose
 // transmittance is the mean of the others. SR_ORDER is one of FragmentOrder; all but 0 need raster_order_key.glsl.
 
-// SR_ORDER 0: blended into the picture as they come, by dual-source blending (ONE, SRC1_COLOR; alpha ONE, SRC1_ALPHA).
-// SR_ORDER 1: the same, but of each pixel only the fragment that `order_keys` names.
+// SR_ORDER 0: blends into the picture in drawing order, dual-source (ONE, SRC1_COLOR; alpha ONE, SRC1_ALPHA).
+// SR_ORDER 1: the same, but in each pixel only the fragment that `order_keys` names.
 #if SR_ORDER == 0 || SR_ORDER == 1
 layout(location = 0, index = 0) out vec4 o_added;
 layout(location = 0, index = 1) out vec4 o_through;
@@ -14,9 +14,9 @@ void emit_translucent(vec3 added, vec3 through) {
 }
 #endif
 
-// SR_ORDER 2: into the lists of raster_order_lists.glsl.
+// SR_ORDER 2: adds to the lists of raster_order_lists.glsl.
 #if SR_ORDER == 2
-// A fragment that an opaque surface hides never comes here: its list would hold it.
+// Hidden fragments must be rejected before, since lists would hold them.
 layout(early_fragment_tests) in;
 
 void emit_translucent(vec3 added, vec3 through) {
@@ -24,7 +24,7 @@ void emit_translucent(vec3 added, vec3 through) {
 }
 #endif
 
-// SR_ORDER 3: a step of depth peeling from the back: only the keys.
+// SR_ORDER 3: does a step of depth peeling from the back, which writes only keys.
 #if SR_ORDER == 3
 layout(location = 0) out uvec2 o_key;
 
@@ -33,13 +33,13 @@ void emit_translucent(vec3 added, vec3 through) {
 }
 #endif
 
-// Whether a fragment takes no part in this pass.
+// Returns whether a fragment has no part in this pass.
 #if SR_ORDER == 0 || SR_ORDER == 2
 bool is_left_out() {
   return false;
 }
 #else
-uniform usampler2D order_keys;  // when peeling: those of the step before
+uniform usampler2D order_keys;  // when peeling: keys of the previous step
 
 bool is_left_out() {
   uvec2 named = texelFetch(order_keys, ivec2(gl_FragCoord.xy), 0).xy, key = fragment_key();

@@ -1,7 +1,7 @@
-// The place of a fragment among those of its pixel: depth, then a number that every primitive of the pass has for
-// itself. Smaller = nearer to the eye. SR_SPRITES: an instance is one primitive.
-uniform uint depth_flip;    // all bits where depth is reversed
-uniform uint first_number;  // of the item that is drawn; 1 or more
+// Computes the place of a fragment in its pixel's order: depth, then the primitive's number, which is unique in the
+// pass. Smaller = nearer to the eye. SR_SPRITES: an instance is one primitive.
+uniform uint depth_flip;    // all bits set where depth is reversed
+uniform uint first_number;  // of the drawn item; 1 or more
 
 #ifdef SR_SPRITES
 flat in uint v_instance;

@@ -1,4 +1,4 @@
-// Lists of fragments, one a pixel. A node is 9 words: key, radiance added, transmittance, the next node's index + 1.
+// Lists of fragments, one for each pixel. A node is 9 words: key, radiance, transmittance, index + 1 of the next node.
 layout(std430, binding = 0) buffer Heads {
   uint used;     // nodes requested
   uint heads[];  // index + 1 of a pixel's first node, 0 = none
@@ -7,7 +7,7 @@ layout(std430, binding = 1) buffer Nodes {
   uint words[];
 };
 uniform uint node_capacity;
-uniform int list_row;  // pixels in a row of the picture
+uniform int list_row;  // width of the picture
 
 const uint node_words = 9u, next_word = 8u;
 
@@ -15,7 +15,7 @@ uint head_index(ivec2 pixel) {
   return uint(pixel.y * list_row + pixel.x);
 }
 
-// A node more than there is room for is counted and not kept.
+// Adds a node; where there is no room it is only counted.
 void add_to_list(ivec2 pixel, uvec2 key, vec3 added, vec3 through) {
   uint node = atomicAdd(used, 1u);
   if (node >= node_capacity) return;

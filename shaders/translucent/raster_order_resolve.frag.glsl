@@ -1,4 +1,4 @@
-// The lists of raster_order_lists.glsl, sorted and composed over the lit picture.
+// Sorts the lists of raster_order_lists.glsl and composites them over the lit picture.
 layout(location = 0, index = 0) out vec4 o_added;
 layout(location = 0, index = 1) out vec4 o_through;
 
@@ -12,7 +12,7 @@ vec3 color_at(uint word) {
   return vec3(uintBitsToFloat(words[word]), uintBitsToFloat(words[word + 1u]), uintBitsToFloat(words[word + 2u]));
 }
 
-// Relinks a list, nearest first, by insertion: any length, and no memory of its own.
+// Relinks a list, nearest first, by insertion: for any length, without extra memory.
 uint sorted(uint rest) {
   uint first = 0u;
   while (rest != 0u) {

@@ -1,4 +1,4 @@
-// The key before all others where peeling starts at the back: the opaque surface's depth.
+// Writes the first key for peeling from the back: the opaque surface's depth.
 layout(location = 0) out uvec2 o_key;
 
 uniform sampler2D gbuffer_depth;

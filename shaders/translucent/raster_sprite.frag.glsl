@@ -1,5 +1,5 @@
-// A sprite's texel, faded before opaque surfaces; raster_order.glsl takes it. Defines: SR_SOFT (fades), SR_REFRACTED
-// (surfaces that bend light hide what is behind them).
+// Shades a sprite's texel, which fades in front of opaque surfaces; raster_order.glsl writes it. Defines: SR_SOFT
+// (fades), SR_REFRACTED (surfaces that bend light hide what is behind them).
 in vec2 v_corner;
 flat in vec4 v_color;  // radiance that texels scale
 flat in vec2 v_cell;

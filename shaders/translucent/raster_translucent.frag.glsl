@@ -1,18 +1,18 @@
-// The colour of a translucent surface, from the layer cache where it has an answer; raster_order.glsl takes it.
-// SR_ASIDE: the surface bends or blurs light, and looks that up in the opaque picture where the cache has no answer.
-// SR_LIVE: whether a fragment is drawn at all is known (GLSL 4.50).
+// Shades a translucent surface, from the layer cache where it has an answer; raster_order.glsl writes it. SR_ASIDE: the
+// surface bends or blurs light, and samples the opaque picture where the cache has no answer. SR_LIVE:
+// gl_HelperInvocation is available (GLSL 4.50).
 in vec3 v_position;
 uniform uint traced_surface_id;  // 0 = not ray traced
 
-// The normal of the triangle's plane, on the eye's side. Differences of positions err by their rounding, 6e-8 of the
-// coordinates over a pixel's width of the surface; a plane without a direction lifts nothing.
+// Returns the normal of the triangle's plane on the eye's side. Differences of positions are off by their rounding,
+// 6e-8 of the coordinates over a pixel's width of the surface; without a direction the plane lifts nothing.
 vec3 geometric_normal(vec3 plane, vec3 to_eye) {
   float size = length(plane);
   return size > 0.0 ? plane * ((dot(plane, to_eye) < 0.0 ? -1.0 : 1.0) / size) : to_eye;
 }
 
 void main() {
-  // All implicit derivatives come before anything is discarded or skipped.
+  // Evaluates all implicit derivatives before anything is discarded or skipped.
   vec4 base_color = base_color_texel();
   SrMaterial m = surface_material();
   SrTexels texels = surface_texels(base_color);
@@ -23,7 +23,7 @@ void main() {
   if (is_absent(base_color) || is_left_out() || answer == SIDERAY_HIDDEN) discard;
 
 #if SR_ORDER == 3
-  emit_translucent(vec3(0.0), vec3(1.0));  // only its place is wanted
+  emit_translucent(vec3(0.0), vec3(1.0));  // only the key matters
 #else
   vec3 to_eye = direction_to_eye(v_position);
   SrSurface base = sr_surface(m, texels, normal, coat_normal);
@@ -42,14 +42,14 @@ void main() {
     blend.through = vec3(0.0);
   }
 #ifdef SR_LIVE
-  // The loop over lights goes on as long as one fragment of a vector wants it: those that are not drawn, beside an edge or
-  // left out by the stencil, must not.
+  // The loop over lights runs as long as one fragment of a SIMD vector needs it; helper invocations, beside an edge or
+  // rejected by the stencil, must not.
   is_lit = is_lit && !gl_HelperInvocation;
 #endif
   if (is_lit) radiance = radiance_from(s, geometric_normal(plane, to_eye), v_position, to_eye);
   vec3 added = radiance * blend.cover;
 #ifdef SR_ASIDE
-  // A solid is bent into once, where it is entered.
+  // Light is bent once, where it enters a solid.
   if (is_lit && (v_solid == 0u || gl_FrontFacing))
     added += max(blend.through - vec3(1.0 - s.alpha), vec3(0.0)) * seen_aside(m, texels, s, v_position, to_eye,
                                                                                      material.occlusion_alpha_cutoff_spread.z);

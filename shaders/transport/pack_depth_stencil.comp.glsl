@@ -1,4 +1,4 @@
-// Packs depth and stencil of a DEPTH24_STENCIL8 texture, one word a pixel, as GL_UNSIGNED_INT_24_8 has them, row by row
+// Packs depth and stencil of a DEPTH24_STENCIL8 texture, one word per pixel as in GL_UNSIGNED_INT_24_8, row by row
 // without gaps.
 layout(local_size_x = 16, local_size_y = 16) in;
 
@@ -9,8 +9,8 @@ layout(std430, binding = 0) writeonly buffer Packed {
 };
 uniform uvec2 size;
 
-// Texels are n / (2^24 - 1), rounded to a float. This product, rounded likewise, is n again for all 2^24 of them once
-// it is rounded to an integer; adding 0.5 instead would round twice from 2^23 on, where floats are integers.
+// Texels are n / (2^24 - 1), rounded to floats. This product, rounded too, gives n again for all 2^24 values once it is
+// rounded to an integer; adding 0.5 instead would round twice from 2^23 on, where floats are integers.
 uint integer_of(float depth) {
   return uint(roundEven(depth * 16777215.0));
 }

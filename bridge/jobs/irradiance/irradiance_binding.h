@@ -1,4 +1,4 @@
-// Gives a host's program the irradiance of a frame, where it asks for it by the snippet's sideray_irradiance(). GL thread.
+// Binds a frame's irradiance to a host's program that reads it by the snippet's sideray_irradiance(). GL thread.
 #pragma once
 
 #include <cstdint>
@@ -8,12 +8,12 @@
 
 namespace sideray::bridge {
 
-// The unit is one of those that sideray_service_bind() sets, counted from its first_unit.
+// Counted from the first_unit of sideray_service_bind(), like its other units.
 inline constexpr uint32_t irradiance_unit = 10;
 bool reads_irradiance(const gl::Functions& gl, uint32_t program);
 
-// `program` is in use. The unit is bound only where the program has the sampler. Without outputs the answer is black. The active
-// unit is the caller's to put back.
+// `program` must be in use. Binds the unit only where the program has the sampler; without outputs the answer is black.
+// The caller restores the active unit.
 void bind_irradiance(const gl::Functions& gl, uint32_t program, uint32_t first_unit, const IrradianceJob& job);
 
 }  // namespace sideray::bridge

@@ -1,4 +1,4 @@
-// The job that traces what other surfaces throw on the opaque ones of a view. Threads: those of Job.
+// Traces the light that other surfaces reflect onto the opaque surfaces of a view. Threads: those of Job.
 #pragma once
 
 #include "bridge/jobs/light_job.h"
@@ -10,7 +10,7 @@ class IrradianceJob final : public LightJob<sideray_irradiance_outputs, rt::Irra
  public:
   uint32_t bit() const override { return SIDERAY_JOB_IRRADIANCE; }
   void check(const gl::Functions&, const FrameInputs&, const model::Snapshot&) const override {}
-  // It takes an equal share of the time that is left with each job behind it.
+  // Shares the remaining time equally with the jobs behind it.
   double share_of_time(const FrameInputs& inputs) const override {
     return 1.0 / (1.0 + (inputs.reflections ? 1.0 : 0.0) + (inputs.layers ? 1.0 : 0.0));
   }

@@ -30,7 +30,7 @@ void set_uniforms(const gl::Functions& gl, uint32_t program, const LayerJob& job
   gl.Uniform2f(location("sideray_cache_size"), static_cast<float>(width), static_cast<float>(height));
 }
 
-// Even without whole pixels: samplers of different kinds must not share a unit.
+// Binds the samplers even without whole pixels, since samplers of different types must not share a unit.
 void bind_whole(const gl::Functions& gl, uint32_t program, uint32_t first_unit, const sideray_layer_outputs& layers) {
   const uint32_t textures[] = {layers.whole_radiance_texture, layers.whole_transmittance_texture};
   const char* const names[] = {"sideray_whole_radiance", "sideray_whole_transmittance"};
@@ -45,7 +45,7 @@ void bind_whole(const gl::Functions& gl, uint32_t program, uint32_t first_unit, 
   gl.Uniform1i(gl.GetUniformLocation(program, "sideray_has_whole"), layers.whole_transmittance_texture != 0);
 }
 
-// Returns the type of a program's uniform; 0 where it has none of this name.
+// Returns the type of a program's uniform; 0 where there is none of this name.
 GLenum type_of_uniform(const gl::Functions& gl, uint32_t program, const char* name) {
   if (gl.GetUniformLocation(program, name) < 0) return 0;
   GLint count = 0;

@@ -16,7 +16,7 @@ constexpr float largest_half = 65504.0f;
 void RadianceTable::encode(const uint16_t* rgba, uint16_t* encoded, size_t texels, const LayerEncoding& encoding) {
   if (table_.empty() || space_ != encoding.space || scale_ != encoding.scale) {
     space_ = encoding.space, scale_ = encoding.scale;
-    table_.assign(size_t{1} << 16, 0);  // radiance is not negative, and finite
+    table_.assign(size_t{1} << 16, 0);  // codes with the sign bit stay 0: radiance is not negative
     for (uint32_t half = 0; half < first_infinite; ++half)
       table_[half] = glm::packHalf1x16(std::min(
           model::encode_radiance(glm::unpackHalf1x16(static_cast<uint16_t>(half)), space_, scale_), largest_half));

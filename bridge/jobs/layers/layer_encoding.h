@@ -1,4 +1,4 @@
-// The form in which a host's shaders want the layers: transfer function, scale, numbers of surfaces. Plain memory.
+// Encodes layers as a host's shaders want them: transfer function, scale, type of surface ids. Plain memory.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -17,7 +17,7 @@ struct LayerEncoding {
   bool operator==(const LayerEncoding&) const = default;
 };
 
-// model::encode_radiance() for halfs; there are few enough of them for a table. Alpha, every fourth, stays.
+// Tabulates model::encode_radiance() for all halfs. Keeps alpha, every fourth value.
 class RadianceTable {
  public:
   void encode(const uint16_t* rgba, uint16_t* encoded, size_t texels, const LayerEncoding& encoding);

@@ -12,7 +12,7 @@ bool caches(const FrameInputs& inputs) {
   return inputs.layers->mode == SIDERAY_CACHE;
 }
 
-// A host's shader returns radiance in its own space already, as the fixed function does.
+// Omits transfer function and scale for a host's shader and the fixed function: they return the host's own space.
 LayerEncoding encoding_of(const gl::Functions& gl, const JobFrame& frame) {
   const sideray_layer_inputs& in = *frame.inputs.layers;
   LayerEncoding encoding{.float_ids = in.float_ids != 0 || !gl.integer_textures};
@@ -22,7 +22,7 @@ LayerEncoding encoding_of(const gl::Functions& gl, const JobFrame& frame) {
   return encoding;
 }
 
-// Fills in what both modes are traced with beside the host's inputs.
+// Fills the part of the request that both modes share, besides the host's inputs.
 void fill(rt::LayerRequest& request, const JobFrame& frame, const TraceInput& input) {
   const FrameInputs& in = frame.inputs;
   request.view = local_view(in.view, frame.snapshot.origin);
@@ -101,7 +101,7 @@ rt::CacheRequest LayerJob::cache_request(const JobFrame& frame, const TraceInput
 rt::Counters LayerJob::trace_cache(const JobFrame& frame, const TraceInput& input) {
   cache_ticket_ = frame.ticket;
   rt::CacheRequest request = cache_request(frame, input);
-  // A second wave adds to what is there, and a deadline may leave out anything.
+  // Tiles are not reused in a second wave, which adds to them, nor under a deadline, which may leave out any.
   const bool may_keep = !is_second_wave(frame.inputs) && !rt::is_bounded(request.work) && !input.cancelled;
   if (may_keep)
     request.still = &still_;
@@ -159,7 +159,7 @@ void LayerJob::publish(const JobFrame& frame) {
              frame.multisampled, float_ids_};
 }
 
-// Tiles that were traced but not uploaded must not be taken for unchanged.
+// Forgets unchanged tiles, since some were traced but not uploaded.
 void LayerJob::give_up() {
   still_.forget();
   cache_textures_.invalidate();

@@ -1,4 +1,4 @@
-// The job that traces the translucent surfaces of a view: layers of a cache, or their composite. Threads: those of Job.
+// Traces the translucent surfaces of a view: layers of a cache, or their composite. Threads: those of Job.
 #pragma once
 
 #include "bridge/jobs/job.h"
@@ -10,13 +10,13 @@ namespace sideray::bridge {
 
 class LayerJob final : public Job {
  public:
-  // How fragments look for the newest outputs; binding needs it besides them.
+  // Holds the parameters of lookups in the newest outputs, for binding.
   struct Lookup {
     sideray_match match = SIDERAY_MATCH_ID;
     float threshold = 0.0f;
     sideray_cache_rate rate = SIDERAY_RATE_FULL;
     bool refracts = false;
-    bool older = false;  // some layers were moved here from earlier frames
+    bool older = false;  // some layers were reprojected from earlier frames
     bool multisampled = false;
     bool float_ids = false;
   };
@@ -35,7 +35,7 @@ class LayerJob final : public Job {
   const rt::LayerCache& cache() const { return cache_; }
   const rt::LayerTruth& truth() const { return truth_; }
   const rt::CompositeImage& composite() const { return composite_; }
-  // Returns what OlderLayers::answers() does; empty: all layers were traced in the last frame.
+  // Returns the same as OlderLayers::answers(); empty: all layers were traced in the last frame.
   std::vector<uint8_t> answers() const { return looks_back_ ? older_.answers() : std::vector<uint8_t>(); }
   const sideray_layer_outputs& outputs() const { return outputs_; }  // ticket 0: none yet
   const Lookup& lookup() const { return lookup_; }
@@ -51,12 +51,12 @@ class LayerJob final : public Job {
   rt::LayerTruth truth_;
   rt::StillFrames still_;
   rt::OlderLayers older_;
-  sideray_ticket cache_ticket_ = 0;  // whose answers the cache holds, or is about to
+  sideray_ticket cache_ticket_ = 0;  // the frame whose answers the cache holds, or is about to
   CacheTextures cache_textures_;
   CompositeTextures composite_textures_;
-  bool caches_ = true;  // the last upload was into the cache's textures
+  bool caches_ = true;  // the last upload filled the cache's textures
   bool looks_back_ = false;  // the cache may hold history
-  bool float_ids_ = false;  // in the textures
+  bool float_ids_ = false;  // the textures hold float ids
   sideray_layer_outputs outputs_{};
   Lookup lookup_;
 };

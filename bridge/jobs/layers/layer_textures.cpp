@@ -51,7 +51,7 @@ const TexelFormat& ids_of(const LayerEncoding& encoding) {
   return encoding.float_ids ? single : id32;
 }
 
-// Counts the layers of each dirty tile that hold something: up to its last layer with a distance.
+// Counts the layers of each dirty tile, up to the last one with a distance.
 void count_tile_layers(const rt::LayerCache& cache, const std::vector<uint8_t>& dirty, std::vector<uint8_t>& counts,
                        rt::Executor& executor) {
   const uint32_t columns = (cache.width + tile_size - 1) / tile_size;
@@ -187,14 +187,14 @@ uint64_t CacheTextures::upload(const gl::Functions& gl, const rt::LayerCache& ca
     add(to.distance, single, rectangles_around(gl, held, to.width, to.height), layer_of(cache.distance, cache, layer));
   }
   if (to.whole) add_whole(gl, cache, to, dirty, way.copiers, pieces);
-  // From here on nothing fails.
+  // Nothing below fails.
   if (replaces) now_ = std::exchange(next_, {});
   stale_ = false;
   return upload_.send(gl, pieces, way);
 }
 
-// The transmittance says which pixels are whole, so it is uploaded where some are or were. The radiance of other pixels
-// is never read.
+// Adds the uploads of whole pixels. The transmittance tells which pixels are whole, so it is uploaded where some are or
+// were. The radiance of other pixels is never read.
 void CacheTextures::add_whole(const gl::Functions& gl, const rt::LayerCache& cache, const Storage& to,
                               const std::vector<uint8_t>& dirty, rt::Executor& executor,
                               std::vector<TexturePiece>& pieces) {

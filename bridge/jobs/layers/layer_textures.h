@@ -1,4 +1,4 @@
-// The textures that hold a traced frame, updated tile by tile. GL thread.
+// Holds the textures of a traced frame, which are updated tile by tile. GL thread.
 #pragma once
 
 #include <cstdint>
@@ -13,17 +13,17 @@
 
 namespace sideray::bridge {
 
-// Calls need guards over the pixel transfer state and the active unit's textures.
+// Its calls need guards over the pixel transfer state and the active unit's textures.
 class CacheTextures {
  public:
-  // Uploads of the dirty tiles the layers that hold something; all of everything after a change of size or format.
-  // Beyond a pixel's last layer only its distance, 0, is to be read. Returns the bytes moved.
+  // Uploads the layers in use of dirty tiles; after a change of size or format, everything. Beyond a pixel's last layer
+  // only the distance, 0, may be read. Returns the bytes moved.
   uint64_t upload(const gl::Functions& gl, const rt::LayerCache& cache, const LayerEncoding& encoding,
                   const UploadWay& way);
-  // The next upload moves everything.
+  // Makes the next upload move everything.
   void invalidate() { stale_ = true; }
-  // Makes room for an upload of the same, which then cannot fail; until then the textures stay what they are. Throws
-  // Failure (OUT_OF_MEMORY, GL_FAILED). No other OpenGL error may be pending.
+  // Allocates for an upload with the same arguments, which then cannot fail; until then the textures stay as they are.
+  // Throws Failure (OUT_OF_MEMORY, GL_FAILED). No other OpenGL error may be pending.
   void prepare(const gl::Functions& gl, const rt::LayerCache& cache, const LayerEncoding& encoding);
   void abandon();
   uint64_t bytes() const;
@@ -35,7 +35,7 @@ class CacheTextures {
   uint32_t whole_transmittance() const { return now_.whole ? now_.whole_transmittance.id() : 0; }
 
  private:
-  // Texels of a layer as the textures hold them.
+  // Points to a layer's texels as the textures hold them.
   struct Texels {
     const std::byte *radiance, *surface_id;
   };
@@ -58,7 +58,7 @@ class CacheTextures {
   void add_whole(const gl::Functions& gl, const rt::LayerCache& cache, const Storage& to,
                  const std::vector<uint8_t>& dirty, rt::Executor& executor, std::vector<TexturePiece>& pieces);
 
-  std::vector<uint8_t> tile_layers_;  // by tile: how many layers of the textures are not empty
+  std::vector<uint8_t> tile_layers_;  // layers in use of each tile in the textures
   std::vector<uint8_t> tile_whole_;   // 1 = the textures hold whole pixels there
   TextureUpload upload_;
 };
@@ -66,9 +66,9 @@ class CacheTextures {
 class CompositeTextures {
  public:
   uint64_t upload(const gl::Functions& gl, const rt::CompositeImage& image, const UploadWay& way);
-  // The next upload moves everything.
+  // Makes the next upload move everything.
   void invalidate() { stale_ = true; }
-  // As in CacheTextures.
+  // Does the same as in CacheTextures.
   void prepare(const gl::Functions& gl, const rt::CompositeImage& image);
   void abandon();
   uint64_t bytes() const { return uint64_t{now_.width} * now_.height * 2 * half4.bytes; }

@@ -8,7 +8,7 @@
 namespace sideray::bridge {
 namespace {
 
-// Even without a mask: samplers of different kinds must not share a unit.
+// Binds the sampler even without a mask, since samplers of different types must not share a unit.
 void bind_sampler(const gl::Functions& gl, GLint location, uint32_t unit, GLenum target, uint32_t texture) {
   if (location < 0) return;
   gl.ActiveTexture(GL_TEXTURE0 + unit);
@@ -17,7 +17,7 @@ void bind_sampler(const gl::Functions& gl, GLint location, uint32_t unit, GLenum
   gl.Uniform1i(location, static_cast<GLint>(unit));
 }
 
-// Where the masks' camera saw what: FrameCamera, in the space of the program's positions.
+// Sets the camera of the masks (FrameCamera) in the space of the program's positions.
 void set_camera(const gl::Functions& gl, uint32_t program, const MaskJob& job, glm::dvec3 space_origin) {
   const sideray_mask_outputs& outputs = job.outputs();
   const rt::TraceView view = local_view(outputs.view, space_origin);

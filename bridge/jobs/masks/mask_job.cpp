@@ -55,7 +55,7 @@ TextureReads MaskJob::texture_reads(const FrameInputs& inputs) const {
            {"motion_texture", reads_motion(inputs) ? inputs.source.motion_texture : 0, rg_floats}}};
 }
 
-// So that layers get the other half.
+// Leaves half of the time to layers.
 double MaskJob::share_of_time(const FrameInputs& inputs) const {
   return inputs.layers ? 0.5 : 1.0;
 }
@@ -77,7 +77,7 @@ rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
   request.filters = in.masks->denoise ? &filters_ : nullptr;
   request.sequence = frame.sequence;
   request.position_frames = in.inspection.position_frames;
-  // A position has every mask traced for it, and shows none before all are.
+  // A position of a still view under a budget has every mask traced for it, and is not shown before all are.
   const bool of_position = request.position_frames > 0, was_whole = request.position_frames > 1 && older_.is_complete();
   if (of_position) kept_.forget();
   request.kept = of_position ? nullptr : &kept_;
@@ -102,7 +102,7 @@ void MaskJob::prepare(const gl::Functions& gl, const JobFrame&) {
   textures_.prepare(gl, image_);
 }
 
-// A reused mask is in its texture already: if an upload fails, the next frame reuses none.
+// Returns whether the texture already has a reused mask: if an upload fails, the next frame reuses none.
 bool MaskJob::is_held(uint32_t layer) const {
   return kept_.keeps(layer) && !kept_.brings_back();
 }

@@ -1,5 +1,4 @@
-// The job that traces which share of lights and sky the opaque pixels of a view see, and filters it. Threads: those of
-// Job.
+// Traces the visible share of lights and sky in the opaque pixels of a view, and filters it. Threads: those of Job.
 #pragma once
 
 #include "bridge/jobs/job.h"
@@ -27,7 +26,7 @@ class MaskJob final : public Job {
   void abandon() override;
 
   const rt::OcclusionMasks& image() const { return image_; }
-  // Returns what OlderMasks::answers() does; empty: all masks were traced in the last frame.
+  // Returns the same as OlderMasks::answers(); empty: all masks were traced in the last frame.
   std::vector<uint8_t> answers(rt::OlderMasks::Part part) const {
     return looks_back_ ? older_.answers(part) : std::vector<uint8_t>();
   }
@@ -44,10 +43,10 @@ class MaskJob final : public Job {
   rt::OlderMasks older_;
   MaskTextures textures_;
   sideray_mask_outputs outputs_{};
-  float depth_step_ = 0;  // of the outputs
+  float depth_step_ = 0;  // of the outputs' depth
   bool shows_ = true;     // the image is to be uploaded
   bool looks_back_ = false;  // the last frame may show history
-  bool lacks_some_ = false;  // some pixels of what was uploaded have no answer
+  bool lacks_some_ = false;  // some uploaded pixels have no answer
 };
 
 }  // namespace sideray::bridge

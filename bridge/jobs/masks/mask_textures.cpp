@@ -124,7 +124,7 @@ uint64_t MaskTextures::upload(const gl::Functions& gl, const rt::OcclusionMasks&
     all_held = false;
     add_plane(now_.ambient, byte1, masks.open.data());
   }
-  if (now_.depth && !all_held) add_plane(now_.depth, single, masks.depth.data());  // where masks stay, so does it
+  if (now_.depth && !all_held) add_plane(now_.depth, single, masks.depth.data());  // depth stays where all masks stay
   if (!masks.answers.empty()) add_plane(now_.answers, byte1, masks.answers.data());
   return upload_.send(gl, pieces, way);
 }

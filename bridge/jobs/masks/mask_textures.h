@@ -1,4 +1,4 @@
-// The textures that hold a frame's shadow and ambient occlusion masks. GL thread.
+// Holds the textures of a frame's shadow and ambient occlusion masks. GL thread.
 #pragma once
 
 #include <cstdint>
@@ -15,13 +15,13 @@ namespace sideray::bridge {
 
 class MaskTextures {
  public:
-  // Which masks of lights, by layer, and of the sky, behind them, the textures hold already.
+  // Says which masks the textures hold already: those of lights, by layer, and that of the sky, behind them.
   using Held = std::function<bool(uint32_t layer)>;
-  // Uploads the masks that are not held, as far as there are any, and all of them where the textures are new. Of tiles that
-  // are not `wanted` nothing is uploaded; null: all are. Returns the bytes moved. Needs guards over the pixel transfer state and the active unit's textures.
+  // Uploads the masks that are not held, and all where the textures are new. Skips tiles that are not `wanted`; null:
+  // all are. Returns the bytes moved. Needs guards over the pixel transfer state and the active unit's textures.
   uint64_t upload(const gl::Functions& gl, const rt::OcclusionMasks& masks, const Held& held,
                   const rt::WantedTiles* wanted, const UploadWay& way);
-  // As in CacheTextures.
+  // Does the same as in CacheTextures.
   void prepare(const gl::Functions& gl, const rt::OcclusionMasks& masks);
   void abandon();
   uint64_t bytes() const {
@@ -32,13 +32,13 @@ class MaskTextures {
   uint32_t ambient() const { return now_.ambient.id(); }  // 2D, or 0
   uint32_t tint() const { return now_.tint.id(); }        // 2D array, or 0
   uint32_t depth() const { return now_.depth.id(); }      // 2D, or 0
-  uint32_t answers() const { return now_.answers.id(); }  // 2D, or 0; of a frame in which some were missing
+  uint32_t answers() const { return now_.answers.id(); }  // 2D, or 0; of a frame in which some answers were missing
 
  private:
   struct Storage {
     gl::Texture shadow, ambient, tint, depth, answers;
     uint32_t width = 0, height = 0, layers = 0, tints = 0;
-    std::vector<Rectangle> tinted;  // of each place: outside of it nothing is tinted
+    std::vector<Rectangle> tinted;  // of each place: no tint lies outside
     bool fits(const rt::OcclusionMasks& masks) const;
     void abandon();
   };

@@ -1,4 +1,4 @@
-// The job that traces what glossy opaque surfaces of a view mirror. Threads: those of Job.
+// Traces the reflections of glossy opaque surfaces of a view. Threads: those of Job.
 #pragma once
 
 #include "bridge/jobs/light_job.h"
@@ -11,12 +11,12 @@ class ReflectionJob final : public LightJob<sideray_reflection_outputs, rt::Olde
   uint32_t bit() const override { return SIDERAY_JOB_REFLECTIONS; }
   void check(const gl::Functions& gl, const FrameInputs& inputs, const model::Snapshot& snapshot) const override;
   TextureReads texture_reads(const FrameInputs& inputs) const override;
-  // Half of the remaining budget if layers are traced after this job.
+  // Returns half of the remaining time if layers are traced after this job.
   double share_of_time(const FrameInputs& inputs) const override { return inputs.layers ? 0.5 : 1.0; }
   rt::Counters trace(const JobFrame& frame, const TraceInput& input) override;
 
   const rt::ReflectionImage& image() const { return image_; }
-  // Returns what OlderReflections::answers() does; empty: all reflections were traced in the last frame.
+  // Returns the same as OlderReflections::answers(); empty: all reflections were traced in the last frame.
   std::vector<uint8_t> answers() const { return looks_back_ ? history_.answers() : std::vector<uint8_t>(); }
 
  private:
