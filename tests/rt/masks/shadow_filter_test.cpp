@@ -397,13 +397,13 @@ std::vector<float> in_all_passes(const Clip& clip) {
   for_rows([&](int32_t, int32_t at) { kernels.slope(to, at); });
   for_rows([&](int32_t y, int32_t at) {
     const auto first = static_cast<size_t>(y * side);
-    kernels.load(&clip.visibility[first], &clip.hit[first], to, at, columns);
+    kernels.load(&clip.visibility[first], &clip.visibility[first], &clip.hit[first], to, at, columns);
   });
   float distances = 0.0f, hits = 0.0f;
   for (int32_t i = 0; i < side; ++i) distances += columns.distances[i], hits += columns.hits[i];
   for_rows([&](int32_t y, int32_t at) { kernels.prepare(terms, to, at, 0, y, hits / distances, longest); });
   for (const int32_t step : {1, 2, 4, 8}) {
-    for_rows([&](int32_t, int32_t at) { kernels.blur(to, at, step); });
+    for_rows([&](int32_t, int32_t at) { kernels.blur(&to, 1, at, step); });
     std::swap(to.visibility, to.filtered);
   }
   std::vector<float> result;
