@@ -82,7 +82,10 @@ bool RasterState::bends_aside(const Draw& draw, const Translucency& pass) const 
 }
 
 const Program& RasterState::program_of(const TranslucentItem& item, const Translucency& pass, FragmentOrder order) {
-  if (item.draw) return programs.translucent(scene->shading(*item.draw), order, bends_aside(*item.draw, pass));
+  if (item.draw)
+    return programs.translucent(
+        scene->shading(*item.draw), order,
+        {.aside = bends_aside(*item.draw, pass), .tint_maps = lights->has_tint_maps(pass.shadows)});
   const model::ParticleSystem& system = scene->snapshot().particles[item.sprites.system];
   return programs.sprites({system.desc.lit != 0, is_soft(system), pass.refracted}, order);
 }
@@ -92,6 +95,7 @@ void RasterState::prepare_translucent(const Program& program, const Translucency
   set_view_uniforms(program);
   if (for_sprites) RasterSprites::set_view(program, view, targets.height());
   if (program.uniform("light_count") >= 0) lights->bind(program, scene->textures(), pass.shadows);
+  if (!for_sprites && lights->has_tint_maps(pass.shadows)) lights->bind_tint_maps(program, scene->textures());
   if (!for_sprites || pass.refracted) bind_cache(program, pass);
 }
 
@@ -129,6 +133,7 @@ void RasterState::draw_translucent_items(Items items, const Translucency& pass, 
     }
     const Draw& draw = *item.draw;
     program.set("traced_surface_id", is_traced(draw, pass.traced) ? draw.surface_id : 0u);
+    program.set("tints_light", static_cast<int>(model::tints_light(scene->material(draw), scene->snapshot().instances[draw.instance])));
     scene->bind_material(draw.material, scene->shading(draw).maps);
     scene->set_wind(program, draw);
     draw_translucent_object(draw, order);

@@ -162,20 +162,22 @@ RasterPrograms::Parts RasterPrograms::ordered(Parts parts, FragmentOrder order, 
   return parts;
 }
 
-const Program& RasterPrograms::translucent(Shading shading, FragmentOrder order, bool aside) {
+const Program& RasterPrograms::translucent(Shading shading, FragmentOrder order, TranslucentInputs inputs) {
   std::vector<std::string> defines = shaded_defines(shading);
   const bool knows_live = gl_.software && gl_.version >= 45;  // elsewhere it was not measured to be faster
   if (knows_live) defines.emplace_back("SR_LIVE");
   std::vector<std::string> fragments{"shading.h", "raster_material.glsl", "raster_lighting.glsl", "sideray.glsl"};
-  if (aside) {
+  if (inputs.tint_maps) defines.insert(defines.end(), {"SR_TRANSLUCENT", "SR_TINT_MAPS"});
+  if (inputs.aside) {
     defines.emplace_back("SR_ASIDE");
     fragments.emplace_back("raster_aside.glsl");
   }
   Parts parts =
       ordered(surface(shading.wind, std::move(fragments), std::move(defines)), order, "raster_translucent.frag.glsl");
   if (knows_live) parts.version = live_version;
-  return get(fmt::format("translucency, textures {:#x}, lobes {}, order {}{}{}", shading.maps, shading.lobes,
-                         static_cast<uint32_t>(order), aside ? ", aside" : "", in_wind(shading.wind)),
+  return get(fmt::format("translucency, textures {:#x}, lobes {}, order {}{}{}{}", shading.maps, shading.lobes,
+                         static_cast<uint32_t>(order), inputs.aside ? ", aside" : "",
+                         inputs.tint_maps ? ", tint maps" : "", in_wind(shading.wind)),
              parts);
 }
 

@@ -53,6 +53,12 @@ struct LightInputs {
   bool tints = false, tint_maps = false;
 };
 
+// What translucent surfaces look up beside layers.
+struct TranslucentInputs {
+  bool aside = false;  // the opaque picture: the surface bends or blurs light
+  bool tint_maps = false;
+};
+
 struct Shading {
   uint32_t maps = 0;   // set of textures
   uint32_t lobes = 0;  // set of lobe::*
@@ -92,8 +98,7 @@ class RasterPrograms {
 
   // `holes`: for surfaces that may have some. For other surfaces drivers test depth before they shade.
   const Program& gbuffer(Shading shading, bool holes);
-  // `aside`: for a surface that bends or blurs light and looks up the opaque picture for it.
-  const Program& translucent(Shading shading, FragmentOrder order, bool aside = false);
+  const Program& translucent(Shading shading, FragmentOrder order, TranslucentInputs inputs);
   const Program& coverage(Coverage variant);
   const Program& sprites(SpriteShading shading, FragmentOrder order);
   const Program& sprite_coverage();

@@ -141,19 +141,28 @@ class PacketGatherer {
       packet_.occluded(top_.scene.get(), query_, false, gather_filter<N>);
     sort();
     for (uint32_t i = 0; i < count; ++i) {
-      const std::span<const Hit> found{lanes_[i].hits, lanes_[i].hit_count};
-      if (query_.counts[i] > GatherQuery::room || edge_offset(table_, rays[i], found) != 0.0)
-        append_nearest(rays[i], surfaces);
-      else
-        surfaces.hits.insert(surfaces.hits.end(), found.begin(), found.end());
+      append(i, surfaces.hits);
       surfaces.ends.push_back(static_cast<uint32_t>(surfaces.hits.size()));
     }
   }
 
  private:
+  void append(uint32_t i, std::vector<Hit>& hits) {
+    const Ray& ray = query_.rays[i];
+    if (query_.counts[i] > GatherQuery::room) return append_nearest(ray, hits);
+    std::span<const Hit> found{lanes_[i].hits, lanes_[i].hit_count};
+    const double offset = (near_edges_ >> i & 1u) ? edge_offset(table_, ray, found) : 0.0;
+    if (offset != 0.0) {
+      if (!edges_) edges_.emplace(table_, top_, mask_);
+      found = edges_->trace(ray, offset, rules_of(most_packet_layers, false, {}));
+    }
+    hits.insert(hits.end(), found.begin(), found.end());
+  }
+
   // Recomputes what was noted, sixteen at a time whatever their rays, and sorts it by ray.
   void sort() {
     uint32_t filled = 0;
+    near_edges_ = 0;
     for (uint32_t i = 0; i < query_.rays.size(); ++i) {
       lanes_[i] = {.ray = &query_.rays[i],
                    .hits = hits_[i].data(),
@@ -192,17 +201,22 @@ class PacketGatherer {
       const GatherQuery::Named& named = placed_[k];
       Lane& lane = lanes_[lane_of_[k]];
       const PlaneHit plane{block_.determinant[k], block_.t[k], block_.u[k], block_.v[k]};
+      const TraceInstance& instance = table_.instances[named.instance];
       Hit hit;
-      if (finish_hit(table_.instances[named.instance], named.instance, named.primitive, *lane.ray, plane, hit))
-        insert_hit(table_, rules, lane, hit);
+      if (!finish_hit(instance, named.instance, named.primitive, *lane.ray, plane, hit)) continue;
+      const bool clear = std::min({hit.u, hit.v, 1.0f - hit.u - hit.v}) >= edge_weight ||
+                         is_clear_of_edges(instance, {block_.corners[0][k], block_.corners[1][k], block_.corners[2][k]},
+                                           *lane.ray, plane);
+      near_edges_ |= static_cast<uint32_t>(!clear) << lane_of_[k];
+      insert_hit(table_, rules, lane, hit);
     }
   }
 
-  void append_nearest(const Ray& ray, RaySurfaces& surfaces) const {
+  void append_nearest(const Ray& ray, std::vector<Hit>& found) const {
     std::array<Hit, most_packet_layers> hits;
     uint32_t count = 0;
     trace_layers<N>(table_, top_, mask_, rules_of(most_packet_layers, false, {}), false, {&ray, 1}, hits.data(), &count);
-    surfaces.hits.insert(surfaces.hits.end(), hits.begin(), hits.begin() + count);
+    found.insert(found.end(), hits.begin(), hits.begin() + count);
   }
 
   const TraceTable& table_;
@@ -215,6 +229,8 @@ class PacketGatherer {
   std::array<GatherQuery::Named, CandidateBlock::size> placed_{};
   std::array<Lane, most_packet_lanes> lanes_;
   std::array<std::array<Hit, GatherQuery::room>, most_packet_lanes> hits_;
+  uint32_t near_edges_ = 0;  // rays, as bits, with a hit that may lie near an edge
+  std::optional<EdgeTracer<N>> edges_;
 };
 
 template <unsigned N>

@@ -142,6 +142,19 @@ double near_edge(const TraceTable& table, const Ray& ray, const Hit& hit) {
   return least_height(corners, ray, meet(corners, ray)) <= tolerance ? tolerance : 0.0;
 }
 
+bool is_clear_of_edges(const TraceInstance& instance, const std::array<LocalPosition, 3>& local, const Ray& ray,
+                       const PlaneHit& plane) {
+  Corners corners;
+  for (size_t i = 0; i < 3; ++i) corners[i] = {local[i].x[0], local[i].x[1], local[i].x[2]};
+  // A height over an edge, as seen along the ray, is at least this by its length over that of the longest edge.
+  const double weighed = std::min({plane.u, plane.v, 1.0 - plane.u - plane.v}) * std::abs(plane.determinant);
+  const glm::dvec3 p0(corners[0]), p1(corners[1]), p2(corners[2]), d(ray.direction);
+  const double longest = std::max({glm::dot(p1 - p0, p1 - p0), glm::dot(p2 - p1, p2 - p1), glm::dot(p0 - p2, p0 - p2)});
+  const double tolerance = beside_tolerance(instance, corners, ray, edge_roundings);
+  constexpr double spare = 1.001;  // above the roundings of both bounds
+  return weighed > 0.0 && weighed * weighed > spare * tolerance * tolerance * longest * glm::dot(d, d);
+}
+
 RayBundle rays_beside(const Ray& ray, double offset) {
   // The cosines and sines of sevenths of a turn.
   constexpr std::array<std::array<double, 2>, 7> around{{{1.0, 0.0},

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <deque>
 #include <utility>
 
 #include "elementary/functions.h"
+#include "rt/base/vectors.h"
 #include "rt/masks/kept_masks.h"
 
 namespace sideray::rt {
@@ -14,6 +16,7 @@ namespace {
 
 // A point's ambient occlusion is blurred over about the distance of what occludes it.
 constexpr float open_tangent = 1.0f;
+
 
 template <typename Work>
 void for_rows(Executor& executor, uint32_t height, const Work& work) {
@@ -141,32 +144,79 @@ std::vector<uint8_t> tint_seen(const OcclusionMasks& masks, uint32_t place) {
   return seen;
 }
 
-// The third smallest and the third largest tint among a pixel and its neighbours on the same surface. The pixel's own
-// tint is clamped to this range.
-struct Usual {
-  uint8_t least = 0, largest = 255;
+// One of the eight pixels around those of a row from `first` to before `past`, which have it.
+struct Neighbour {
+  uint8_t bit;
+  ptrdiff_t offset;
+  uint32_t first, past;
 };
-Usual usual_around(std::span<const uint8_t> tints, const FilterFrame& frame, uint32_t x, uint32_t y) {
-  constexpr float same_surface = 0.02f;  // of the depth
-  constexpr size_t rank = 2, fewest = 6;
-  const size_t texel = size_t{y} * frame.width + x;
-  const float depth = frame.depth[texel];
-  std::array<uint8_t, 8> around{};
-  size_t count = 0;
+
+template <typename Work>
+void for_neighbours(const FilterFrame& frame, uint32_t y, const Work& work) {
+  uint8_t bit = 1;
   for (int v = -1; v <= 1; ++v)
     for (int u = -1; u <= 1; ++u) {
       if (u == 0 && v == 0) continue;
-      const int64_t at_x = int64_t{x} + u, at_y = int64_t{y} + v;
-      if (at_x < 0 || at_y < 0 || at_x >= frame.width || at_y >= frame.height) continue;
-      const auto at = static_cast<size_t>(at_y * frame.width + at_x);
-      if (!(std::abs(frame.depth[at] - depth) <= same_surface * depth)) continue;
-      // Sorted as they come: there are eight at most.
-      size_t place = count++;
-      for (; place > 0 && around[place - 1] > tints[at]; --place) around[place] = around[place - 1];
-      around[place] = tints[at];
+      const bool inside = v < 0 ? y > 0 : v == 0 || y + 1 < frame.height;
+      if (inside) work(Neighbour{bit, v * static_cast<ptrdiff_t>(frame.width) + u, u < 0, frame.width - (u > 0)});
+      bit = static_cast<uint8_t>(bit << 1);
     }
-  if (depth <= 0.0f || count < fewest) return {};
-  return {around[rank], around[count - 1 - rank]};
+}
+
+// Marks the pixels whose neighbour lies on the same surface.
+SIDERAY_VECTORS void mark_same_surface(const float* depths, Neighbour neighbour, uint8_t* same) {
+  constexpr float same_share = 0.02f;  // of the depth
+  const float* const others = depths + neighbour.offset;
+  const uint8_t bit = neighbour.bit;
+  const size_t past = neighbour.past;
+  for (size_t x = neighbour.first; x < past; ++x)
+    same[x] |= std::abs(others[x] - depths[x]) <= same_share * depths[x] ? bit : uint8_t{0};
+}
+
+// Says by its bits which of the pixels around each lie on its surface; none where fewer than six do.
+std::vector<uint8_t> find_same_surface(Executor& executor, const FilterFrame& frame) {
+  constexpr int fewest = 6;
+  std::vector<uint8_t> same(size_t{frame.width} * frame.height, 0);
+  for_rows(executor, frame.height, [&](uint32_t y) {
+    const size_t first = size_t{y} * frame.width;
+    for_neighbours(frame, y, [&](const Neighbour& n) { mark_same_surface(&frame.depth[first], n, &same[first]); });
+    for (size_t i = first; i < first + frame.width; ++i)
+      if (frame.depth[i] <= 0.0f || std::popcount(same[i]) < fewest) same[i] = 0;
+  });
+  return same;
+}
+
+// The three smallest and the three largest tints around each pixel of a row, the outermost first.
+struct OuterTints {
+  std::array<std::vector<uint8_t>, 3> low, high;
+
+  explicit OuterTints(uint32_t width) {
+    low.fill(std::vector<uint8_t>(width));
+    high.fill(std::vector<uint8_t>(width));
+  }
+  void clear() {
+    for (std::vector<uint8_t>& row : low) std::ranges::fill(row, uint8_t{255});
+    for (std::vector<uint8_t>& row : high) std::ranges::fill(row, uint8_t{0});
+  }
+};
+
+// Without branches, on copies of what bytes might alias, so that it becomes vectors.
+SIDERAY_VECTORS void take_neighbour(const uint8_t* tints, const uint8_t* same, Neighbour neighbour, OuterTints& outer) {
+  constexpr auto less = [](uint8_t a, uint8_t b) { return a < b ? a : b; };
+  constexpr auto more = [](uint8_t a, uint8_t b) { return a > b ? a : b; };
+  uint8_t *const low0 = outer.low[0].data(), *const low1 = outer.low[1].data(), *const low2 = outer.low[2].data();
+  uint8_t *const high0 = outer.high[0].data(), *const high1 = outer.high[1].data(), *const high2 = outer.high[2].data();
+  const uint8_t* const others = tints + neighbour.offset;
+  const uint8_t bit = neighbour.bit;
+  const size_t past = neighbour.past;
+#pragma GCC ivdep
+  for (size_t x = neighbour.first; x < past; ++x) {
+    const uint8_t kept = (same[x] & bit) != 0 ? 255 : 0;
+    const uint8_t up = others[x] | static_cast<uint8_t>(~kept), down = others[x] & kept;
+    const uint8_t a = low0[x], b = low1[x], c = low2[x], d = high0[x], e = high1[x], f = high2[x];
+    low0[x] = less(a, up), low1[x] = less(b, more(a, up)), low2[x] = less(c, more(b, more(a, up)));
+    high0[x] = more(d, down), high1[x] = more(e, less(d, down)), high2[x] = more(f, less(e, less(d, down)));
+  }
 }
 
 // Marks the pixels of a row that differ from one of the four beside them by more than a filter leaves: few do. Without
@@ -187,23 +237,27 @@ struct Calmed {
   uint8_t tint;
 };
 
-// Finds what single pixels that stand out become beside those around, in one plane and row of tiles. The filter is as narrow
-// as the nearest glass says: behind a drinking glass it leaves what rays make of the bulb about their lamp, which some of
-// them miss.
-std::vector<Calmed> calm_row(std::span<const uint8_t> tints, const FilterFrame& frame, const uint8_t* tinted, uint32_t row) {
+// Finds what single pixels that stand out become beside those around, in one plane and row of tiles: their tint is clamped
+// to the third smallest and the third largest around them. The filter is as narrow as the nearest glass says: behind a
+// drinking glass it leaves what rays make of the bulb about their lamp, which some of them miss.
+std::vector<Calmed> calm_row(std::span<const uint8_t> tints, const FilterFrame& frame, std::span<const uint8_t> same,
+                             std::span<const uint8_t> tinted, uint32_t row) {
   constexpr uint32_t side = OcclusionMasks::tint_tile;
-  const uint32_t columns = (frame.width + side - 1) / side;
   std::vector<Calmed> calmed;
-  if (std::all_of(tinted, tinted + columns, [](uint8_t tile) { return tile == 0; })) return calmed;
+  if (std::ranges::all_of(tinted, [](uint8_t tile) { return tile == 0; })) return calmed;
   std::vector<uint8_t> marks(frame.width);
+  OuterTints outer(frame.width);
   for (uint32_t y = row * side; y < std::min((row + 1) * side, frame.height); ++y) {
     mark_outstanding(tints.data(), frame, y, marks.data());
+    if (std::ranges::find(marks, uint8_t{1}) == marks.end()) continue;
+    const size_t first = size_t{y} * frame.width;
+    outer.clear();
+    for_neighbours(frame, y, [&](const Neighbour& n) { take_neighbour(&tints[first], &same[first], n, outer); });
     for (uint32_t x = 0; x < frame.width; ++x) {
-      if (!marks[x] || tinted[x / side] == 0) continue;
-      const Usual usual = usual_around(tints, frame, x, y);
-      const uint32_t texel = y * frame.width + x;
-      const uint8_t tint = std::clamp(tints[texel], usual.least, usual.largest);
-      if (tint != tints[texel]) calmed.push_back({texel, tint});
+      const size_t texel = first + x;
+      if (!marks[x] || same[texel] == 0 || tinted[x / side] == 0) continue;
+      const uint8_t tint = std::clamp(tints[texel], outer.low[2][x], outer.high[2][x]);
+      if (tint != tints[texel]) calmed.push_back({static_cast<uint32_t>(texel), tint});
     }
   }
   return calmed;
@@ -224,7 +278,9 @@ std::vector<uint8_t> tiles_to_calm(const OcclusionMasks& masks, uint32_t place, 
 // read them.
 void calm(Executor& executor, const FilterFrame& frame, const std::vector<std::pair<uint32_t, uint32_t>>& planes,
           std::span<const uint8_t> unfiltered, OcclusionMasks& masks) {
+  if (planes.empty()) return;
   const size_t rows = masks.tint_rows();
+  const std::vector<uint8_t> same = find_same_surface(executor, frame);
   std::vector<std::vector<Calmed>> calmed(planes.size() * rows);
   const auto plane_of = [&](size_t task) {
     return masks.tint_plane(planes[task / rows].first, planes[task / rows].second);
@@ -232,7 +288,7 @@ void calm(Executor& executor, const FilterFrame& frame, const std::vector<std::p
   executor.run(calmed.size(), [&](size_t task, uint32_t) {
     const auto row = static_cast<uint32_t>(task % rows);
     const std::vector<uint8_t> tiles = tiles_to_calm(masks, planes[task / rows].first, row, unfiltered);
-    calmed[task] = calm_row(plane_of(task), frame, tiles.data(), row);
+    calmed[task] = calm_row(plane_of(task), frame, same, tiles, row);
   });
   executor.run(calmed.size(), [&](size_t task, uint32_t) {
     const std::span<uint8_t> plane = plane_of(task);

@@ -1,6 +1,7 @@
 #include "rt/masks/shadow_filter.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "model/failure.h"
@@ -41,9 +42,9 @@ const float* row_of(std::span<const float> image, uint32_t width, uint32_t x, ui
 }
 
 // Returns the same of a mask of bytes.
-const float* unpacked_row(const ShadowFilterInput& input, uint32_t x, uint32_t y, float (&copy)[side]) {
-  const uint8_t* from = input.mask.data() + size_t{y} * input.width + x;
-  const uint32_t count = std::min(side, input.width - x);
+const float* unpacked_row(std::span<const uint8_t> mask, uint32_t width, uint32_t x, uint32_t y, float (&copy)[side]) {
+  const uint8_t* from = mask.data() + size_t{y} * width + x;
+  const uint32_t count = std::min(side, width - x);
   for (uint32_t i = 0; i < count; ++i) copy[i] = static_cast<float>(from[i]) * (1.0f / 255.0f);
   std::fill_n(copy + count, side - count, 1.0f);
   return copy;
@@ -70,7 +71,7 @@ int32_t ShadowFilter::at(uint32_t x, uint32_t y) const {
 }
 
 ShadowPlanes ShadowFilter::planes() {
-  return {planes_[visibility].data(), planes_[filtered].data(), planes_[nearness].data(), planes_[reach].data(),
+  return {planes_[visibility].data(), planes_[filtered].data(), planes_[nearness].data(), leader_->planes_[reach].data(),
           guide_->inverse.data(),     guide_->slope_x.data(),   guide_->slope_y.data(),   stride_};
 }
 
@@ -162,6 +163,17 @@ void ShadowFilter::slope(uint32_t tile_y, std::span<const uint8_t> needed) {
       if (needed[size_t{tile_y} * tiles_x_ + x / side]) kernels_->slope(to, at(x, y));
 }
 
+// Returns the least visibility of what shares the reach.
+const float* ShadowFilter::darkest_row(uint32_t x, uint32_t y, float (&copy)[side]) const {
+  std::fill_n(copy, side, 1.0f);
+  for (const Sharing& shared : sharing_) {
+    float row[side];
+    unpacked_row(shared.mask, width_, x, y, row);
+    for (uint32_t i = 0; i < side; ++i) copy[i] = std::min(copy[i], row[i]);
+  }
+  return copy;
+}
+
 void ShadowFilter::load(const ShadowFilterInput& input, uint32_t tile_y, ShadowRow& row) {
   if (!row_states_[tile_y].loaded) return;
   row.columns.resize(tiles_x_);
@@ -176,11 +188,13 @@ void ShadowFilter::load(const ShadowFilterInput& input, uint32_t tile_y, ShadowR
   for (uint32_t y = tile_y * side; y < std::min(height_, (tile_y + 1) * side); ++y)
     for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
       if (!tiles_[size_t{tile_y} * tiles_x_ + tile_x].loaded) continue;
-      float copies[2][side];
+      float copies[3][side];
       const uint32_t x = tile_x * side;
-      kernels_->load(input.mask.empty() ? row_of(input.visibility, width_, x, y, 1.0f, copies[0])
-                                        : unpacked_row(input, x, y, copies[0]),
-                     row_of(input.hit_distance, width_, x, y, 0.0f, copies[1]), to, at(x, y), row.columns[tile_x]);
+      const float* const seen = input.mask.empty() ? row_of(input.visibility, width_, x, y, 1.0f, copies[0])
+                                                   : unpacked_row(input.mask, width_, x, y, copies[0]);
+      const float* const darkest = sharing_.size() > 1 ? darkest_row(x, y, copies[1]) : seen;
+      kernels_->load(seen, darkest, row_of(input.hit_distance, width_, x, y, 0.0f, copies[2]), to, at(x, y),
+                     row.columns[tile_x]);
     }
   for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
     Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
@@ -195,27 +209,36 @@ void ShadowFilter::load(const ShadowFilterInput& input, uint32_t tile_y, ShadowR
   }
 }
 
+ShadowFilter::Tile ShadowFilter::around(uint32_t tile_x, uint32_t tile_y) const {
+  Tile sum{1.0f, 0.0f, 0.0f, 0.0f, 0.0f, false, false};
+  for (uint32_t y = tile_y - (tile_y > 0); y < std::min(tiles_y_, tile_y + 2); ++y)
+    for (uint32_t x = tile_x - (tile_x > 0); x < std::min(tiles_x_, tile_x + 2); ++x) {
+      const Tile& near = tiles_[size_t{y} * tiles_x_ + x];
+      sum.least = std::min(sum.least, near.least);
+      sum.most = std::max(sum.most, near.most);
+      sum.distances += near.distances;
+      sum.hits += near.hits;
+    }
+  return sum;
+}
+
 // Decides which tiles of a row change, and how far their pixels look.
 void ShadowFilter::classify(const ShadowFilterInput& input, uint32_t tile_y, ShadowRow& row) {
-  if (!row_states_[tile_y].loaded) return;
+  if (leader_ != this || !row_states_[tile_y].loaded) return;
   const ShadowTerms terms = terms_of(input);
   row.nearness.resize(tiles_x_);
   row.longest.assign(tiles_x_, {});
   for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
     Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
     if (!tile.loaded) continue;
-    float least = 1.0f, most = 0.0f, distances = 0.0f, hits = 0.0f;
-    for (uint32_t y = tile_y - (tile_y > 0); y < std::min(tiles_y_, tile_y + 2); ++y)
-      for (uint32_t x = tile_x - (tile_x > 0); x < std::min(tiles_x_, tile_x + 2); ++x) {
-        const Tile& near = tiles_[size_t{y} * tiles_x_ + x];
-        least = std::min(least, near.least);
-        most = std::max(most, near.most);
-        distances += near.distances;
-        hits += near.hits;
-      }
-    tile.active = may_change(input, tile_x, tile_y) && least < 1.0f && most > 0.0f;
+    const Tile near = around(tile_x, tile_y);
+    const bool varies = std::ranges::any_of(sharing_, [&](const Sharing& shared) {
+      const Tile seen = shared.filter == this ? near : shared.filter->around(tile_x, tile_y);
+      return seen.least < 1.0f && seen.most > 0.0f;
+    });
+    tile.active = varies && may_change(input, tile_x, tile_y);
     row_states_[tile_y].active |= tile.active;
-    row.nearness[tile_x] = hits > 0.0f ? hits / distances : 0.0f;
+    row.nearness[tile_x] = near.hits > 0.0f ? near.hits / near.distances : 0.0f;
   }
   const ShadowPlanes to = planes();
   for (uint32_t y = tile_y * side; y < (tile_y + 1) * side; ++y)
@@ -232,6 +255,12 @@ void ShadowFilter::classify(const ShadowFilterInput& input, uint32_t tile_y, Sha
     Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
     if (tile.loaded) tile.reach = *std::max_element(row.longest[tile_x].values, row.longest[tile_x].values + side);
   }
+  for (const Sharing& shared : sharing_) {
+    if (shared.filter == this) continue;
+    shared.filter->row_states_[tile_y].active = row_states_[tile_y].active;
+    for (size_t i = size_t{tile_y} * tiles_x_; i < (size_t{tile_y} + 1) * tiles_x_; ++i)
+      shared.filter->tiles_[i].active = tiles_[i].active;
+  }
 }
 
 // Returns whether a pass of this step changes anything in a tile: whether sf_bell() ends beyond it.
@@ -241,17 +270,19 @@ bool ShadowFilter::reaches(const Tile& tile, int32_t step) {
 }
 
 void ShadowFilter::blur(uint32_t tile_y, int32_t step) {
-  if (!row_states_[tile_y].active) return;
-  const ShadowPlanes to = planes();
+  if (leader_ != this || !row_states_[tile_y].active) return;
+  std::array<ShadowPlanes, most_sharing> images;
+  for (size_t i = 0; i < sharing_.size(); ++i) images[i] = sharing_[i].filter->planes();
   for (uint32_t y = tile_y * side; y < (tile_y + 1) * side; ++y)
     for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
       const Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
       const int32_t first = at(tile_x * side, y);
       if (!tile.active) continue;
       if (reaches(tile, step))
-        kernels_->blur(to, first, step);
+        kernels_->blur(images.data(), static_cast<int32_t>(sharing_.size()), first, step);
       else if (step > 1 && reaches(tile, step / 2))  // from here on the pass before is the last one
-        std::copy_n(to.visibility + first, side, to.filtered + first);
+        for (size_t i = 0; i < sharing_.size(); ++i)
+          std::copy_n(images[i].visibility + first, side, images[i].filtered + first);
     }
 }
 
@@ -264,6 +295,18 @@ void ShadowFilter::store(Executor& executor, const float* plane, std::span<float
     for (uint32_t y = first; y < std::min(height_, first + side); ++y)
       std::copy_n(plane + at(0, y), width_, result.data() + size_t{y} * width_);
   });
+}
+
+// Masks beside each other that name the same hit distances are colours of one light: the first leads.
+void ShadowFilter::share_reach(std::span<ShadowFilter* const> filters, std::span<const ShadowFilterInput> inputs) {
+  for (size_t i = 0; i < filters.size(); ++i) {
+    ShadowFilter* const before = i > 0 ? filters[i - 1]->leader_ : nullptr;
+    const bool shares = before && !inputs[i].mask.empty() && before->sharing_.size() < most_sharing &&
+                        inputs[i].hit_distance.data() == inputs[i - 1].hit_distance.data();
+    filters[i]->leader_ = shares ? before : filters[i];
+    filters[i]->sharing_.clear();
+    filters[i]->leader_->sharing_.push_back({filters[i], inputs[i].mask});
+  }
 }
 
 // Returns the first filter of every depth: the others have its guide.
@@ -299,6 +342,7 @@ void ShadowFilter::spatial(Executor& executor, std::span<ShadowFilter* const> fi
     filters[i]->whole_ = whole || (inputs[i].seen.empty() && inputs[i].unfiltered.empty());
   }
   const size_t rows = filters[0]->tiles_y_;
+  share_reach(filters, inputs);
   const std::vector<size_t> guides = share_guides(filters, inputs);
   std::vector<ShadowRow> scratch(executor.threads());
   const auto run = [&](const auto& work) {

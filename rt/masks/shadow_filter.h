@@ -38,7 +38,8 @@ class ShadowFilter {
   // Filters within the frame. `result` is as large as the images. Throws Failure (INVALID_ARGUMENT) where sizes differ.
   void spatial(Executor& executor, const ShadowFilterInput& input, std::span<float> result);
   // Does the same for several filters of one size at once, each of which stores its result in store(); what depends on
-  // the depth is computed once for all that name the same images. `whole`: what temporal() needs, too; otherwise tiles
+  // the depth is computed once for all that name the same images, and neighbours that name the same hit distances, colours
+  // of one light, look equally far. `whole`: what temporal() needs, too; otherwise tiles
   // that cannot change are left out.
   static void spatial(Executor& executor, std::span<ShadowFilter* const> filters,
                       std::span<const ShadowFilterInput> inputs, bool whole);
@@ -77,11 +78,17 @@ class ShadowFilter {
   struct RowState {
     bool loaded, active;
   };
+  static constexpr size_t most_sharing = 3;
+  struct Sharing {
+    ShadowFilter* filter;
+    std::span<const uint8_t> mask;
+  };
   enum Plane { visibility, filtered, nearness, reach, plane_count };
   enum HistoryPlane { value, frames, inverse_then, history_plane_count };
 
   void fit(const ShadowFilterInput& input);
   void fit_history();
+  static void share_reach(std::span<ShadowFilter* const> filters, std::span<const ShadowFilterInput> inputs);
   static std::vector<size_t> share_guides(std::span<ShadowFilter* const> filters,
                                           std::span<const ShadowFilterInput> inputs);
   void choose(const ShadowFilterInput& input, uint32_t tile_y);
@@ -91,6 +98,9 @@ class ShadowFilter {
   bool may_change(const ShadowFilterInput& input, uint32_t x, uint32_t y) const;
   bool is_needed(const ShadowFilterInput& input, uint32_t x, uint32_t y) const;
   void load(const ShadowFilterInput& input, uint32_t tile_y, ShadowRow& row);
+  const float* darkest_row(uint32_t x, uint32_t y, float (&copy)[shadow_tile]) const;
+  // Sums up a tile and its neighbours.
+  Tile around(uint32_t tile_x, uint32_t tile_y) const;
   void classify(const ShadowFilterInput& input, uint32_t tile_y, ShadowRow& row);
   static bool reaches(const Tile& tile, int32_t step);
   void blur(uint32_t tile_y, int32_t step);
@@ -109,6 +119,9 @@ class ShadowFilter {
   std::vector<Tile> tiles_;
   std::vector<RowState> row_states_;
   std::shared_ptr<Guide> own_guide_, guide_;  // the latter may be another filter's
+  // Of the frame: whose reach holds here; and of a leader all whom its reach holds for, itself first.
+  ShadowFilter* leader_ = nullptr;
+  std::vector<Sharing> sharing_;
   std::vector<float> planes_[plane_count], history_[2][history_plane_count];
 };
 

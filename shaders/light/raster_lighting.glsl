@@ -197,13 +197,17 @@ float reached_share(int i, vec3 position, vec3 normal) {
   return visibility(i, position, normal);
 }
 
+// Returns the optical depth of a share of light that a surface lets pass.
+vec3 optical_depth(vec3 through) { return -log(clamp(through, vec3(1e-6), vec3(1.0))); }
+
 #ifdef SR_TINT_MAPS
 uniform sampler2DArray directional_tints, local_tints;  // rgb: optical depth; w: distance of the first surface
 uniform ivec2 tint_maps_of;                             // which of the two exist
 uniform bool tints_reversed;
 
-// Returns the tint at a distance from the light: none in front of a texel's first surface, behind it that of all.
-vec3 tint_from(sampler2DArray map, vec2 uv, float layer, float away) {
+// Returns the tint at a distance from the light: none in front of a texel's first translucent surface, behind it that of
+// all of them without `own`, the receiver's optical depth.
+vec3 tint_from(sampler2DArray map, vec2 uv, float layer, float away, vec3 own) {
   ivec2 last = textureSize(map, 0).xy - 1;
   vec2 at = uv * vec2(last + 1) - 0.5;
   ivec2 corner = ivec2(floor(at));
@@ -214,13 +218,13 @@ vec3 tint_from(sampler2DArray map, vec2 uv, float layer, float away) {
     vec4 texel = texelFetch(map, ivec3(clamp(corner + off, ivec2(0), last), int(layer)), 0);
     vec2 weight = mix(1.0 - part, part, vec2(off));
     bool behind = away > texel.w * 1.002 + 0.001;
-    sum += weight.x * weight.y * (behind ? exp(-max(texel.xyz, vec3(0.0))) : vec3(1.0));
+    sum += weight.x * weight.y * (behind ? exp(-max(texel.xyz - own, vec3(0.0))) : vec3(1.0));
   }
   return sum;
 }
 
 // Returns the share of a light's colour that translucent surfaces let pass, by the maps.
-vec3 tint_by_map(int i, vec3 position) {
+vec3 tint_by_map(int i, vec3 position, vec3 own) {
   ivec4 r = light_type_map_layer_texel(i);
   if (!shadows_on || r.y == 0 || (r.y == 1 ? tint_maps_of.x : tint_maps_of.y) == 0) return vec3(1.0);
   float layer = float(r.z);
@@ -232,14 +236,14 @@ vec3 tint_by_map(int i, vec3 position) {
     float face = size.x >= size.y && size.x >= size.z ? (p.x > 0.0 ? 0.0 : 1.0)
                  : size.y >= size.z ? (p.y > 0.0 ? 2.0 : 3.0) : (p.z > 0.0 ? 4.0 : 5.0);
     float along = max(on_face.z, 1e-9);
-    return tint_from(local_tints, on_face.xy * (0.5 * shadow_matrix(i)[0].z / along) + 0.5, layer + face, along);
+    return tint_from(local_tints, on_face.xy * (0.5 * shadow_matrix(i)[0].z / along) + 0.5, layer + face, along, own);
   }
   vec4 where = shadow_matrix(i) * vec4(position, 1.0);
   if (where.w <= 0.0) return vec3(1.0);
   vec3 at = where.xyz / max(where.w, 1e-9);
   if (any(lessThan(at.xy, vec2(0.0))) || any(greaterThan(at.xy, vec2(1.0)))) return vec3(1.0);
-  if (r.y == 1) return tint_from(directional_tints, at.xy, layer, tints_reversed ? 1.0 - at.z : at.z);
-  return tint_from(local_tints, at.xy, layer, where.w);
+  if (r.y == 1) return tint_from(directional_tints, at.xy, layer, tints_reversed ? 1.0 - at.z : at.z, own);
+  return tint_from(local_tints, at.xy, layer, where.w, own);
 }
 #endif
 
@@ -257,8 +261,21 @@ vec3 tint_by_mask(int i) {
 #endif
 
 #if defined(SR_TINTS) || defined(SR_TINT_MAPS)
-// Returns the share of a light's colour that translucent surfaces let pass: by rays where the light has a mask.
-vec3 tint_of(int i, vec3 position) {
+#ifdef SR_TRANSLUCENT
+uniform bool tints_light;  // the surface is in the maps
+
+// Returns the surface's own optical depth toward a light. That of a solid is unknown: all of it counts as its own.
+vec3 own_depth(SrSurface s, vec3 to_light) {
+  if (v_solid != 0u) return vec3(1e6);
+  if (!tints_light) return vec3(0.0);
+  return optical_depth(sr_blend(sr_facing(s, to_light), to_light, material.unlit_blend_alpha_mode_maps.y).through);
+}
+#else
+vec3 own_depth(SrSurface s, vec3 to_light) { return vec3(0.0); }
+#endif
+
+// Returns the share of a light's colour that other translucent surfaces let pass: by rays where the light has a mask.
+vec3 tint_of(int i, SrSurface s, vec3 position, vec3 to_light) {
 #ifdef SR_MASKS
 #ifdef SR_TINTS
   if (has_mask(i)) return tint_by_mask(i);
@@ -267,7 +284,7 @@ vec3 tint_of(int i, vec3 position) {
 #endif
 #endif
 #ifdef SR_TINT_MAPS
-  return tint_by_map(i, position);
+  return tint_by_map(i, position, own_depth(s, to_light));
 #else
   return vec3(1.0);
 #endif
@@ -404,7 +421,7 @@ vec3 radiance_from(SrSurface s, vec3 geometric_normal, vec3 position, vec3 to_ey
     if (!sr_faces(s, incidence.to_light) || incidence.irradiance == vec3(0.0)) continue;
     vec3 lit_side = dot(s.normal, incidence.to_light) < 0.0 ? -s.normal : s.normal;
 #if defined(SR_TINTS) || defined(SR_TINT_MAPS)
-    vec3 reached = reached_share(i, position, lit_side) * tint_of(i, position);
+    vec3 reached = reached_share(i, position, lit_side) * tint_of(i, s, position, incidence.to_light);
 #else
     float reached = reached_share(i, position, lit_side);
 #endif

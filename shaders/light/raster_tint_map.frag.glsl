@@ -18,8 +18,7 @@ void main() {
   bool solid = v_solid != 0u;
   if (solid) t.thickness = 0.0;
   SrSurface s = seen(sr_surface(m, t, normal, coat_normal), to_light);
-  vec3 through = sr_blend(s, to_light, material.unlit_blend_alpha_mode_maps.y).through;
-  vec3 depth = -log(clamp(through, vec3(1e-6), vec3(1.0)));
+  vec3 depth = optical_depth(sr_blend(s, to_light, material.unlit_blend_alpha_mode_maps.y).through);
   if (solid) {
     float away = light_place.w > 0.5 ? length(offset) : -dot(v_position, light_place.xyz);
     depth += m.absorption * (gl_FrontFacing ? middle_away - away : away - middle_away);

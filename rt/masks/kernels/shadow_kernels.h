@@ -37,12 +37,14 @@ struct ShadowKernels {
   void (*invert)(const float* depth, float* inverse);
   // Needs the inverse depths of the rows around.
   void (*slope)(const ShadowPlanes& planes, int32_t at);
-  void (*load)(const float* visibility, const float* hit_distance, const ShadowPlanes& planes, int32_t at,
-               ShadowColumns& columns);
+  // `darkest`: the least visibility of the images that share a reach.
+  void (*load)(const float* visibility, const float* darkest, const float* hit_distance, const ShadowPlanes& planes,
+               int32_t at, ShadowColumns& columns);
   // `nearness`: that of the occluders of the tiles around, for pixels without an occluder among their neighbours.
   void (*prepare)(const ShadowTerms& terms, const ShadowPlanes& planes, int32_t at, int32_t x, int32_t y,
                   float nearness, float* most_reach);
-  void (*blur)(const ShadowPlanes& planes, int32_t at, int32_t step);
+  // `images`: several that share what is not their visibility.
+  void (*blur)(const ShadowPlanes* images, int32_t count, int32_t at, int32_t step);
   // `motion`: sixteen x, sixteen y. `first`: index of pixel (0, 0).
   void (*accumulate)(const ShadowTerms& terms, const ShadowPlanes& planes, const ShadowHistoryPlanes& before,
                      const ShadowHistoryPlanes& after, const float* motion, int32_t first, int32_t x, int32_t y,

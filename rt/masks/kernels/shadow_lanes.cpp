@@ -38,12 +38,12 @@ void slope_row(const ShadowPlanes& p, int32_t first) {
   }
 }
 
-void load_row(const float* visibility, const float* hit_distance, const ShadowPlanes& planes, int32_t at,
-              ShadowColumns& columns) {
+void load_row(const float* visibility, const float* darkest, const float* hit_distance, const ShadowPlanes& planes,
+              int32_t at, ShadowColumns& columns) {
   for (int i = 0; i < shadow_tile; i += lane_count) {
     const real seen = load_any(visibility + i);
     const boolean there = load_any(planes.inverse + at + i) > 0.0f;
-    const real nearness = sr_select(there, sf_nearness(seen, load_any(hit_distance + i)), real(0.0f));
+    const real nearness = sr_select(there, sf_nearness(load_any(darkest + i), load_any(hit_distance + i)), real(0.0f));
     const boolean hit = nearness > 0.0f;
     store_any(planes.visibility + at + i, seen);
     store_any(planes.filtered + at + i, seen);
@@ -95,33 +95,48 @@ SIDERAY_LANE bool is_even(const float* visibility, int32_t stride, int32_t step)
   return !sr_any(!even);
 }
 
-void blur_row(const ShadowPlanes& p, int32_t first, int32_t step) {
-  for (int i = 0; i < shadow_tile; i += lane_count) {
-    const int32_t at = first + i;
-    const SfPlane plane = plane_at(p, at);
-    const real reach = load_any(p.reach + at);
-    real sum = load_any(p.visibility + at), total(1.0f);
-    // Beyond sf_bell's end every weight is 0, whatever the neighbour reaches.
-    const auto reaches = [&](int32_t square) { return sr_any(reach * reach * 8.01f > static_cast<float>(square)); };
-    if (!reaches(step * step) || is_even(p.visibility + at, p.stride, step)) {
-      store_any(p.filtered + at, sum);
-      continue;
+// Of images that share all but their visibility.
+template <int Count>
+SIDERAY_LANE void blur_lanes(const ShadowPlanes* images, int32_t at, int32_t step) {
+  const ShadowPlanes& p = images[0];
+  const SfPlane plane = plane_at(p, at);
+  const real reach = load_any(p.reach + at);
+  // Beyond sf_bell's end every weight is 0, whatever the neighbour reaches.
+  const auto reaches = [&](int32_t square) { return sr_any(reach * reach * 8.01f > static_cast<float>(square)); };
+  const bool reaches_any = reaches(step * step), reaches_corners = reaches(2 * step * step);
+  real sum[Count];
+  bool stays[Count], all_stay = true;
+  for (int c = 0; c < Count; ++c) {
+    sum[c] = load_any(images[c].visibility + at);
+    stays[c] = !reaches_any || is_even(images[c].visibility + at, p.stride, step);
+    if (stays[c]) store_any(images[c].filtered + at, sum[c]);
+    all_stay = all_stay && stays[c];
+  }
+  if (all_stay) return;
+  real total(1.0f);
+  for (int32_t dy = -1; dy <= 1; ++dy)
+    for (int32_t dx = -1; dx <= 1; ++dx) {
+      if ((dx == 0 && dy == 0) || (dx != 0 && dy != 0 && !reaches_corners)) continue;
+      const int32_t other = at + (dy * p.stride + dx) * step;
+      const real on = sf_on_plane(plane, static_cast<float>(dx * step), static_cast<float>(dy * step),
+                                  load_any(p.inverse + other));
+      const float kernel = dx != 0 && dy != 0 ? 0.25f : 0.5f;
+      const real weight =
+          sf_weight(on, reach, load_any(p.reach + other), static_cast<float>((dx * dx + dy * dy) * step * step)) *
+          kernel;
+      for (int c = 0; c < Count; ++c) sum[c] = sum[c] + load_any(images[c].visibility + other) * weight;
+      total = total + weight;
     }
-    const bool reaches_corners = reaches(2 * step * step);
-    for (int32_t dy = -1; dy <= 1; ++dy)
-      for (int32_t dx = -1; dx <= 1; ++dx) {
-        if ((dx == 0 && dy == 0) || (dx != 0 && dy != 0 && !reaches_corners)) continue;
-        const int32_t other = at + (dy * p.stride + dx) * step;
-        const real on = sf_on_plane(plane, static_cast<float>(dx * step), static_cast<float>(dy * step),
-                                    load_any(p.inverse + other));
-        const float kernel = dx != 0 && dy != 0 ? 0.25f : 0.5f;
-        const real weight =
-            sf_weight(on, reach, load_any(p.reach + other), static_cast<float>((dx * dx + dy * dy) * step * step)) *
-            kernel;
-        sum = sum + load_any(p.visibility + other) * weight;
-        total = total + weight;
-      }
-    store_any(p.filtered + at, sum / total);
+  for (int c = 0; c < Count; ++c)
+    if (!stays[c]) store_any(images[c].filtered + at, sum[c] / total);
+}
+
+void blur_row(const ShadowPlanes* images, int32_t count, int32_t first, int32_t step) {
+  for (int32_t at = first; at < first + shadow_tile; at += lane_count) {
+    if (count == 3)
+      blur_lanes<3>(images, at, step);
+    else
+      for (int32_t i = 0; i < count; ++i) blur_lanes<1>(images + i, at, step);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iostream>
 #include <limits>
@@ -369,6 +370,49 @@ TEST(ShadowFilter, lights_at_once_have_the_bits_of_each_alone) {
   }
 }
 
+// Red, green and blue of a tint behind which something shades every pixel that is dark in any of them: they name one image
+// of distances, and have the bits of each filtered alone.
+TEST(ShadowFilter, colours_of_one_light_have_the_bits_of_each_alone) {
+  Executor executor(3);
+  std::array<ShadowFilter, 3> together, alone;
+  std::array<std::vector<uint8_t>, 3> masks, masks_alone;
+  for (uint32_t frame = 1; frame <= 3; ++frame) {
+    Clip clip(147, 75);
+    sample(clip, 1.5, 60.0, frame);
+    std::vector<ShadowFilterInput> inputs;
+    std::vector<ShadowFilter*> filters;
+    std::vector<uint8_t*> to;
+    const auto input_of = [&](std::vector<uint8_t>& mask) {
+      ShadowFilterInput input = clip.input();
+      input.visibility = {}, input.mask = mask;
+      return input;
+    };
+    for (size_t c = 0; c < 3; ++c) {
+      masks[c].assign(clip.hit.size(), 255);
+      for (size_t i = 0; i < clip.hit.size(); ++i)
+        if (clip.hit[i] < infinite) masks[c][i] = static_cast<uint8_t>(c == 2 ? 200 : 60 * c + i % 5);
+      masks_alone[c] = masks[c];
+      inputs.push_back(input_of(masks[c]));
+      filters.push_back(&together[c]);
+      to.push_back(masks[c].data());
+    }
+    ShadowFilter::spatial(executor, filters, inputs, true);
+    for (size_t c = 0; c < 3; ++c) together[c].temporal(executor, inputs[c]);
+    ShadowFilter::store(executor, filters, to, true);
+    for (size_t c = 0; c < 3; ++c) {
+      const ShadowFilterInput input = input_of(masks_alone[c]);
+      ShadowFilter* const one[] = {&alone[c]};
+      uint8_t* const its[] = {masks_alone[c].data()};
+      const std::vector<uint8_t> before = masks_alone[c];
+      ShadowFilter::spatial(executor, one, {&input, 1}, true);
+      alone[c].temporal(executor, input);
+      ShadowFilter::store(executor, one, its, true);
+      EXPECT_NE(masks_alone[c], before);
+      EXPECT_EQ(masks[c], masks_alone[c]) << "frame " << frame << ", colour " << c;
+    }
+  }
+}
+
 // What the kernels make of a picture of one tile when none of the passes is left out.
 std::vector<float> in_all_passes(const Clip& clip) {
   constexpr int32_t side = shadow_tile, stride = 3 * side;
@@ -397,13 +441,13 @@ std::vector<float> in_all_passes(const Clip& clip) {
   for_rows([&](int32_t, int32_t at) { kernels.slope(to, at); });
   for_rows([&](int32_t y, int32_t at) {
     const auto first = static_cast<size_t>(y * side);
-    kernels.load(&clip.visibility[first], &clip.hit[first], to, at, columns);
+    kernels.load(&clip.visibility[first], &clip.visibility[first], &clip.hit[first], to, at, columns);
   });
   float distances = 0.0f, hits = 0.0f;
   for (int32_t i = 0; i < side; ++i) distances += columns.distances[i], hits += columns.hits[i];
   for_rows([&](int32_t y, int32_t at) { kernels.prepare(terms, to, at, 0, y, hits / distances, longest); });
   for (const int32_t step : {1, 2, 4, 8}) {
-    for_rows([&](int32_t, int32_t at) { kernels.blur(to, at, step); });
+    for_rows([&](int32_t, int32_t at) { kernels.blur(&to, 1, at, step); });
     std::swap(to.visibility, to.filtered);
   }
   std::vector<float> result;
