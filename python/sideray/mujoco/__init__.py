@@ -322,10 +322,10 @@ class Renderer:
                options: Mapping[str, Any]) -> Array:
         corner, across, down = camera._directions(picture.size)
         rgb = _native.with_backdrop([picture[name] for name in "RGBA"], *backdrop, corner, across, down,
-                                    picture.stats["threads"], haze)
+                                    picture.stats["threads"], haze, not self._look.linear)
         if self._look.linear:
             return _native.display(np.maximum(rgb, 0), options.get("exposure", 0.0), options["tonemap"])
-        return _native.as_bytes(rgb)
+        return rgb
 
     def _depth_or_segmentation(self, channel: str) -> Array:
         if self._solid is None:

@@ -153,7 +153,10 @@ class Mirror:
         """Follows an mjvScene."""
         if source.enabletransform:
             raise NotImplementedError("enabletransform: a scene with a transform of its own is not drawn; leave it out")
+        was_occluded = self._is_occluded
         wanted = self._wanted(source)
+        if self._is_occluded != was_occluded:
+            wanted = self._wanted(source)
         edit = self.scene._edited
         gone = [self._shown.pop(key) for key in list(self._shown) if key not in wanted]
         if gone:
@@ -353,14 +356,14 @@ class Mirror:
             scale = 1.0 / size[[0, 0, 2]]
         elif geom.type == _G.mjGEOM_PLANE or (geom.type in _UNIT and geom.texuniform):
             scale = size
-        return "cube", tuple(np.round(scale, 6).tolist())
+        return "cube", tuple(np.round(scale, 6).tolist()), int(self.model.tex_width[geom.texid])
 
     def _mapped(self, shape: Shape, geom: Any, mapping: Hashable) -> Shape:
         positions, triangles, normals, uv = shape
         if mapping == "uv" and uv is None:
             uv = 0.5 + 0.5 * positions[:, :2] * [1, -1]
         if isinstance(mapping, tuple):
-            return _textures.onto_cube(shape, np.asarray(mapping[1]))
+            return _textures.onto_cube(shape, np.asarray(mapping[1]), mapping[2])
         return positions, triangles, normals, uv if mapping else None
 
     def _moving_mesh(self, geom: Any, source: Any) -> Optional[Hashable]:
@@ -406,7 +409,7 @@ class Mirror:
     def _material_of(self, geom: Any, is_behind: bool) -> Hashable:
         key = (is_behind, int(geom.matid), int(geom.texid), tuple(np.round(geom.rgba, 6).tolist()), float(geom.emission),
                float(geom.specular), float(geom.shininess), float(geom.reflectance), self._texture_map(geom),
-               self._is_glass(geom))
+               self._is_glass(geom), self._is_occluded)
         if key not in self._materials:
             fields = self._fields(geom)
             if is_behind:
@@ -496,10 +499,8 @@ class Mirror:
     def _texture(self, number: int) -> int:
         key = int(number), self.look.linear
         if key not in self._textures:
-            texels = _textures.image(self.model, number)
-            if self.model.tex_type[number] != mujoco.mjtTexture.mjTEXTURE_2D:
-                faces = _textures.cube(self.model, number)
-                texels = faces.reshape(-1, *faces.shape[2:])
+            is_flat = self.model.tex_type[number] == mujoco.mjtTexture.mjTEXTURE_2D
+            texels = _textures.image(self.model, number) if is_flat else _textures.strip(_textures.cube(self.model, number))
             self._textures[key] = self.scene.add_texture(texels, srgb=self.look.linear)
         return self._textures[key]
 
@@ -513,19 +514,20 @@ class Mirror:
         """Whether the sky surrounds the scene, so that the picture has it already."""
         return self.sky is not None and (self.look.linear or self._has_glass)
 
-    def _ambient_share(self) -> float:
-        assert self.sky is not None
-        return float(np.clip(self.ambient.mean() / max(float(self.sky.mean()), 1e-6), 0.0, 1.0))
+    @property
+    def _is_occluded(self) -> bool:
+        return self.is_in_sky and not self.look.linear
 
     def _occlusion_texture(self) -> Optional[int]:
-        if self.sky is None or self.look.linear:
+        if not self._is_occluded:
             return None
         if self._occlusion is None:
             self._occlusion = self.scene.add_texture(self._occluded(), srgb=False)
         return self._occlusion
 
     def _occluded(self) -> Array:
-        share = self._ambient_share() if self._has_glass else 1.0
+        assert self.sky is not None
+        share = np.clip(self.ambient.mean() / max(float(self.sky.mean()), 1e-6), 0.0, 1.0)
         return np.full((1, 1, 3), int(share * 255 + 0.5), np.uint8)
 
     def backdrop(self, shows_sky: bool) -> Backdrop:
