@@ -49,7 +49,7 @@ class Renderer:
         self._model, self._height, self._width, self._batch = model, height, width, batch
         self._states: Sequence[MjData] = ()
         self._update: Any = None  # what update_scene() was called with
-        self._look = Look(linear, patterns)
+        self._look = Look(linear, patterns, surrounded=options.get("ambient") not in (None, False, "off"))
         self._options = options
         self._scene = mujoco.MjvScene(model=model, maxgeom=max_geom)
         self._scene_option = mujoco.MjvOption()

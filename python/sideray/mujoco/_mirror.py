@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import fnmatch
-from typing import Any, Callable, Dict, Hashable, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Hashable, List, Mapping, Optional, Sequence, Tuple, cast
 
 import numpy as np
 
@@ -66,11 +66,13 @@ class Look:
     """How colours of a model become materials.
 
     linear: rgba are sRGB, as people choose colours, and the picture is tone mapped; else all numbers are taken as they are
-    and shown as they come out, as MuJoCo does. glass: fields of the materials that names match.
+    and shown as they come out, as MuJoCo does. glass: fields of the materials that names match. surrounded: ambient light comes
+    from around the scene, where things can hide it; else it reaches everything.
     """
 
     linear: bool
     glass: Mapping[str, Mapping[str, Any]]
+    surrounded: bool
 
     def color(self, rgb: Any) -> Array:
         values = np.asarray(rgb, np.float64)
@@ -134,8 +136,9 @@ class Mirror:
         self._materials: Dict[Hashable, int] = {}
         self._textures: Dict[Tuple[int, bool], int] = {}
         self._moving: Dict[Hashable, Tuple[int, int]] = {}
-        self._occlusion: Optional[int] = None
-        self._has_environment = self._has_glass = False
+        self._occlusions: Dict[int, int] = {}  # textures by their texel
+        self._has_glass = False
+        self._surroundings: Any = None  # as Scene.set_environment() was told
         self._transforms = np.empty((0, 12))
         self._lights: List[Dict[str, Any]] = []
         self._wanted_before: Dict[_Key, Any] = {}
@@ -153,9 +156,11 @@ class Mirror:
         """Follows an mjvScene."""
         if source.enabletransform:
             raise NotImplementedError("enabletransform: a scene with a transform of its own is not drawn; leave it out")
-        was_occluded = self._is_occluded
+        if not self.is_solid:
+            self.ambient = sum((self.look.color(light.ambient) for light in source.lights[:source.nlight]), np.zeros(3))
+        was_in_sky = self.is_in_sky
         wanted = self._wanted(source)
-        if self._is_occluded != was_occluded:
+        if self.is_in_sky != was_in_sky:
             wanted = self._wanted(source)
         edit = self.scene._edited
         gone = [self._shown.pop(key) for key in list(self._shown) if key not in wanted]
@@ -172,6 +177,7 @@ class Mirror:
         self._forget({w[0] for w in wanted.values()}, {w[1] for w in wanted.values()})
         if not self.is_solid:
             self._set_lights(source)
+            self._set_surroundings()
 
     # ---- other states of the same model ----
 
@@ -409,7 +415,7 @@ class Mirror:
     def _material_of(self, geom: Any, is_behind: bool) -> Hashable:
         key = (is_behind, int(geom.matid), int(geom.texid), tuple(np.round(geom.rgba, 6).tolist()), float(geom.emission),
                float(geom.specular), float(geom.shininess), float(geom.reflectance), self._texture_map(geom),
-               self._is_glass(geom), self._is_occluded)
+               self._is_glass(geom), self.is_in_sky, tuple(self.ambient.tolist()))
         if key not in self._materials:
             fields = self._fields(geom)
             if is_behind:
@@ -466,21 +472,28 @@ class Mirror:
         fields: Dict[str, Any] = {
             "base_color": (*color, float(geom.rgba[3])), "metallic": max(metallic, 0.0),
             "roughness": roughness if roughness >= 0 else from_shine,
-            "specular": float(np.clip(geom.specular, 0, 1)), "emissive": tuple(float(geom.emission) * color),
-            "alpha_mode": "blend" if geom.rgba[3] < 1 else "opaque",
-            "occlusion_texture": self._occlusion_texture(),
+            "specular": float(np.clip(geom.specular, 0, 1)), "alpha_mode": "blend" if geom.rgba[3] < 1 else "opaque",
+            **self._of_ambient(geom, color),
         }
         if geom.reflectance > 0:
-            mirrored = np.sqrt(min(float(geom.reflectance), 0.98))
-            fields.update(ior=(1 + mirrored) / (1 - mirrored), roughness=min(fields["roughness"], max(roughness, 0.0)),
-                          specular=1.0)
+            fields.update(self._of_mirror(geom, color), roughness=min(fields["roughness"], max(roughness, 0.0)))
         if geom.texid >= 0:
-            fields["base_color_texture"] = {"texture": self._texture(geom.texid), "texture_from_uv": self._texture_map(geom)}
+            place = {"texture": self._texture(geom.texid), "texture_from_uv": self._texture_map(geom)}
+            fields.update(base_color_texture=place, emissive_texture=place)
         glass = self.look.glass_of(self._names(geom)) if geom.rgba[3] < 1 else None
         if glass is not None:
             fields.update(self._of_glass(geom, color), **glass)
-            self._has_environment, self._has_glass = self._has_environment and self._has_glass, True
+            self._has_glass = True
         return fields
+
+    def _of_mirror(self, geom: Any, color: Array) -> Dict[str, Any]:
+        """MuJoCo adds what is mirrored, from all angles alike, and takes nothing away for it."""
+        share = min(float(geom.reflectance), 0.98)
+        if self.look.linear:
+            return {"ior": (1 + share ** 0.5) / (1 - share ** 0.5), "specular": 1.0}
+        # `specular` is what grazing angles mirror, and this much of an index of 1.5 makes it what is mirrored from above.
+        return {"ior": 1.5, "specular_color": (25.0, 25.0, 25.0), "specular": share, "metallic": 0.0,
+                "base_color": (*(color / (1.0 - share)), float(geom.rgba[3]))}
 
     def _of_glass(self, geom: Any, color: Array) -> Dict[str, Any]:
         """A solid that light of its colour passes through, over a length of its own size."""
@@ -490,7 +503,8 @@ class Mirror:
             reach = min(reach, _shapes.reach_inside(self._positions_of_mesh(geom)))
         return {"base_color": (1.0, 1.0, 1.0, 1.0), "alpha_mode": "opaque", "transmission": 1.0, "ior": 1.5,
                 "thickness": max(length, 1e-6), "roughness": 0.0, "metallic": 0.0, "specular": 1.0,
-                "attenuation_color": tuple(np.clip(color, 0.01, 1.0)), "attenuation_distance": max(reach, 1e-6)}
+                "attenuation_color": tuple(np.clip(color, 0.01, 1.0)), "attenuation_distance": max(reach, 1e-6),
+                "emissive": tuple(float(geom.emission) * color), "occlusion_texture": None}
 
     def _positions_of_mesh(self, geom: Any) -> Array:
         shape = self._shape(geom)
@@ -506,8 +520,8 @@ class Mirror:
 
     # ---- how much light comes from the sky ----
     # MuJoCo's sky is seen and lights nothing; here what surrounds a scene lights it. With linear colours that is wanted.
-    # Else the model's ambient light surrounds it, and the sky is put behind the picture; or, where glass must see the sky, a
-    # texture occludes it for everything else down to the ambient light, which dims reflections too.
+    # Else nothing surrounds it, the sky is put behind the picture, and everything emits the model's ambient light. Where glass must
+    # see the sky, a texture occludes it for everything else: wholly, and for what mirrors down to the ambient light.
 
     @property
     def is_in_sky(self) -> bool:
@@ -515,20 +529,24 @@ class Mirror:
         return self.sky is not None and (self.look.linear or self._has_glass)
 
     @property
-    def _is_occluded(self) -> bool:
-        return self.is_in_sky and not self.look.linear
+    def _around(self) -> Array:
+        """The ambient light that surrounds the scene, where the sky does not."""
+        return self.ambient if self.look.linear or self.look.surrounded else np.zeros(3)
 
-    def _occlusion_texture(self) -> Optional[int]:
-        if not self._is_occluded:
-            return None
-        if self._occlusion is None:
-            self._occlusion = self.scene.add_texture(self._occluded(), srgb=False)
-        return self._occlusion
+    def _of_ambient(self, geom: Any, color: Array) -> Dict[str, Any]:
+        """What makes ambient light reach it as it reaches everything in MuJoCo."""
+        is_lit_around = self.look.linear or self.look.surrounded or (geom.reflectance > 0 and self.is_in_sky)
+        emitted = np.zeros(3) if is_lit_around else self.ambient
+        occlusion = None
+        if self.is_in_sky and not self.look.linear:
+            share = self.ambient.mean() / max(float(cast(Array, self.sky).mean()), 1e-6) if is_lit_around else 0.0
+            occlusion = self._occlusion(int(255 * min(share, 1.0) + 0.5))
+        return {"emissive": tuple((float(geom.emission) + emitted) * color), "occlusion_texture": occlusion}
 
-    def _occluded(self) -> Array:
-        assert self.sky is not None
-        share = np.clip(self.ambient.mean() / max(float(self.sky.mean()), 1e-6), 0.0, 1.0)
-        return np.full((1, 1, 3), int(share * 255 + 0.5), np.uint8)
+    def _occlusion(self, texel: int) -> int:
+        if texel not in self._occlusions:
+            self._occlusions[texel] = self.scene.add_texture(np.full((1, 1, 3), texel, np.uint8), srgb=False)
+        return self._occlusions[texel]
 
     def backdrop(self, shows_sky: bool) -> Backdrop:
         """What is put behind the picture, as with_backdrop() takes it: a colour, the faces of a sky, how often it is added, and
@@ -536,8 +554,8 @@ class Mirror:
         if self.is_in_sky:
             return np.zeros(3), self._sky_faces, 0.0 if shows_sky else -1.0, self.look.linear
         if self.sky is None or not shows_sky:
-            return -self.ambient, None, 0.0, False
-        return -self.ambient, self._sky_faces, 1.0, self.look.linear
+            return -self._around, None, 0.0, False
+        return -self._around, self._sky_faces, 1.0, self.look.linear
 
     def haze(self, source: Any, camera: Camera, size: Tuple[int, int]) -> Optional[Dict[str, Any]]:
         """What with_backdrop() takes of the haze around a plane without an end, but for `surfaces`; None where none is seen in a
@@ -626,27 +644,24 @@ class Mirror:
         return self.look.color(_textures.sky(self._sky_faces)).astype(np.float32)
 
     def _set_lights(self, source: Any) -> None:
-        ambient = np.zeros(3)
         lights: List[Dict[str, Any]] = []
         for light in source.lights[:source.nlight]:
-            ambient += self.look.color(light.ambient)
             if np.any(light.dir):  # it has none before mj_forward()
                 lights.append(self._light(light, (light.pos, light.dir), source.camera[0].forward))
         if str(lights) != str(self._lights):
             self.scene.lights = lights
             self._lights = lights
-        if not np.array_equal(ambient, self.ambient) or not self._has_environment:
-            self._set_ambient(ambient)
 
-    def _set_ambient(self, ambient: Array) -> None:
-        self.ambient = ambient
+    def _set_surroundings(self) -> None:
+        around = self._around.astype(np.float32)
+        told = self.is_in_sky, tuple(around.tolist())
+        if told == self._surroundings:
+            return
+        self._surroundings = told
         if self.is_in_sky:
             self.scene.set_environment(self.sky)
         else:
-            self.scene.set_environment(np.broadcast_to(ambient.astype(np.float32), (2, 4, 3)))
-        if self._occlusion is not None:
-            self.scene.replace_texture(self._occlusion, self._occluded(), srgb=False)
-        self._has_environment = True
+            self.scene.set_environment(np.broadcast_to(around, (2, 4, 3)) if around.any() else None)
 
     def _light(self, light: Any, placed: Tuple[Any, Any], forward: Any) -> Dict[str, Any]:
         """placed: its position and direction. forward: of the camera, which the headlight shines along."""
