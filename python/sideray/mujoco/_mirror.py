@@ -134,6 +134,7 @@ class Mirror:
         self._free: List[int] = []
         self._geometry: Dict[Hashable, int] = {}
         self._materials: Dict[Hashable, int] = {}
+        self._materials_seen: Dict[Hashable, Hashable] = {}  # keys of _materials by all that they depend on
         self._textures: Dict[Tuple[int, bool], int] = {}
         self._moving: Dict[Hashable, Tuple[int, int]] = {}
         self._occlusions: Dict[int, int] = {}  # textures by their texel
@@ -142,8 +143,8 @@ class Mirror:
         self._transforms = np.empty((0, 12))
         self._lights: List[Dict[str, Any]] = []
         self._wanted_before: Dict[_Key, Any] = {}
+        self._scales = np.empty((0, 3))
         # Of planes without an end: sides, repeats of the texture, rotation and position.
-        self._scales: Dict[_Key, Array] = {}
         self._endless: Dict[_Key, Tuple[Array, Array, Array, Array]] = {}
         #: Whether something that is drawn is not opaque.
         self.shows_through = False
@@ -198,14 +199,13 @@ class Mirror:
         """The instances that move from state to state, and (states, instances, 12): where they are. eyes: of the cameras."""
         keys = list(self._wanted_before)
         placed = np.array([w[2] for w in self._wanted_before.values()]).reshape(-1, 4, 3)
-        scale = np.array([self._scales[key] for key in keys]).reshape(-1, 3)
         result = np.broadcast_to(placed, (len(states), *placed.shape)).copy()
         for what in _PLACED:
             rows = [row for row, ((_, _, other, _), _) in enumerate(keys)
                     if other == what and keys[row] not in self._endless]
             if rows:
                 position, turn = _places(states, what, [keys[row][0][3] for row in rows])
-                result[:, rows, :3] = turn.swapaxes(2, 3) * scale[rows, :, None]
+                result[:, rows, :3] = turn.swapaxes(2, 3) * self._scales[rows, :, None]
                 result[:, rows, 3] = position
         for row, key in enumerate(keys):
             if key in self._endless:
@@ -244,13 +244,13 @@ class Mirror:
 
     def _wanted(self, source: Any) -> Dict[_Key, Tuple[Hashable, Hashable, Array, Tuple[int, int]]]:
         """Of each geom that is seen: its mesh, its material, its transform, and what it is."""
-        wanted: Dict[_Key, Tuple[Hashable, Hashable, Array, Tuple[int, int]]] = {}
+        shown: Dict[_Key, Tuple[Any, Hashable, Hashable]] = {}
         counts: Dict[Tuple[int, int, int, int], int] = {}
-        self._endless, self._scales = {}, {}
+        self._endless = {}
         for geom in source.geoms[:source.ngeom]:
             if geom.rgba[3] == 0 or (not self.is_round and geom.segid < 0):
                 continue
-            if geom.type not in (_FLEX, _SKIN) and not np.any(geom.mat):  # it has no place before mj_forward()
+            if geom.type not in (_FLEX, _SKIN) and not geom.mat.any():  # it has no place before mj_forward()
                 continue
             mesh = self._mesh_of(geom, source)
             if mesh is None:
@@ -262,26 +262,31 @@ class Mirror:
             if geom.type == _G.mjGEOM_PLANE and np.any(np.asarray(geom.size)[:2] <= 0):
                 self._endless[(what, counts[what])] = (np.array(geom.size), np.array(geom.texrepeat),
                                                        np.array(geom.mat, np.float64).reshape(3, 3), np.array(geom.pos, np.float64))
-            placed, self._scales[(what, counts[what])] = self._placed(geom, source)
-            wanted[(what, counts[what])] = mesh, material, placed, (geom.objid, geom.objtype)
-        return wanted
+            shown[(what, counts[what])] = geom, mesh, material
+        placed = self._placed([geom for geom, _, _ in shown.values()], source)
+        return {key: (mesh, material, where, (geom.objid, geom.objtype))
+                for (key, (geom, mesh, material)), where in zip(shown.items(), placed)}
 
-    def _placed(self, geom: Any, source: Any) -> Tuple[Array, Array]:
-        """World from object as twelve numbers, column by column; and the scale along the object's axes that is in it."""
-        if geom.type in (_FLEX, _SKIN):  # their vertices are in the world already
-            return np.eye(4)[:3].T.ravel(), np.ones(3)
-        turn, position = np.asarray(geom.mat, np.float64).reshape(3, 3), np.array(geom.pos, np.float64)
-        size = np.asarray(geom.size, np.float64)
-        if geom.type not in _UNIT:
-            scale = np.ones(3)
-        elif geom.type == _G.mjGEOM_PLANE:
-            scale, position = self._plane(geom.size, geom.texrepeat, source.camera[0].pos, turn, position)
-        elif geom.type == _G.mjGEOM_LINE:
-            scale = np.array([0.001, 0.001, 1.0]) * [self.model.stat.meansize, self.model.stat.meansize, size[2]]
-        else:
-            scale = size
-        scale = np.where(np.abs(scale) < 1e-9, 1e-9, scale)
-        return np.concatenate([(turn * scale).T.ravel(), position]), scale
+    def _placed(self, geoms: Sequence[Any], source: Any) -> Array:
+        """World from object of each as twelve numbers, column by column. Keeps the scales along the objects' axes that are in it."""
+        if not geoms:
+            return np.empty((0, 12))
+        turns = np.array([geom.mat for geom in geoms], np.float64).reshape(-1, 3, 3)
+        positions = np.array([geom.pos for geom in geoms], np.float64)
+        scales = np.ones((len(geoms), 3))
+        for row, geom in enumerate(geoms):
+            if geom.type in (_FLEX, _SKIN):  # their vertices are in the world already
+                turns[row], positions[row] = np.eye(3), 0.0
+            elif geom.type == _G.mjGEOM_PLANE:
+                scales[row], positions[row] = self._plane(geom.size, geom.texrepeat, source.camera[0].pos, turns[row], positions[row])
+            elif geom.type == _G.mjGEOM_LINE:
+                thin = 0.001 * self.model.stat.meansize
+                scales[row] = thin, thin, geom.size[2]
+            elif geom.type in _UNIT:
+                scales[row] = geom.size
+        self._scales = np.where(np.abs(scales) < 1e-9, 1e-9, scales)
+        columns = (turns * self._scales[:, None, :]).swapaxes(1, 2).reshape(-1, 9)
+        return np.concatenate([columns, positions], 1)
 
     def _plane(self, sides: Any, texrepeat: Any, eye: Any, turn: Array,
                position: Array) -> Tuple[Array, Array]:
@@ -413,6 +418,16 @@ class Mirror:
     # ---- materials ----
 
     def _material_of(self, geom: Any, is_behind: bool) -> Hashable:
+        """The key of its material, which is made where it is new."""
+        seen = (is_behind, geom.matid, geom.texid, geom.rgba.tobytes(), geom.emission, geom.specular, geom.shininess,
+                geom.reflectance, geom.type, geom.size.tobytes(), geom.texrepeat.tobytes(), geom.texuniform, geom.objtype, geom.objid,
+                self.is_in_sky, self.ambient.tobytes())
+        key = self._materials_seen.get(seen)
+        if key not in self._materials:
+            key = self._materials_seen[seen] = self._new_material_of(geom, is_behind)
+        return key
+
+    def _new_material_of(self, geom: Any, is_behind: bool) -> Hashable:
         key = (is_behind, int(geom.matid), int(geom.texid), tuple(np.round(geom.rgba, 6).tolist()), float(geom.emission),
                float(geom.specular), float(geom.shininess), float(geom.reflectance), self._texture_map(geom),
                self._is_glass(geom), self.is_in_sky, tuple(self.ambient.tolist()))
@@ -633,6 +648,8 @@ class Mirror:
         if len(self._materials) > len(materials) + _KEPT:
             for key in [key for key in self._materials if key not in materials]:
                 self.scene.remove_material(self._materials.pop(key))
+        if len(self._materials_seen) > 16 * _KEPT:
+            self._materials_seen.clear()
 
     # ---- light ----
 

@@ -140,8 +140,9 @@ def _cut(corners: Array, side: Array) -> Array:
     a, b, c = cut[:, 0], cut[:, 1], cut[:, 2]
     p = a + (b - a) * (distance[:, 0] / (distance[:, 0] - distance[:, 1]))[:, None]
     q = a + (c - a) * (distance[:, 0] / (distance[:, 0] - distance[:, 2]))[:, None]
-    pieces = np.concatenate([np.stack(t, 1) for t in ((a, p, q), (p, b, c), (p, c, q))])
-    return np.concatenate([corners[~crosses], pieces])
+    # Where the plane meets a corner, the piece there has no area.
+    pieces = np.stack((a, p, q), 1), np.stack((p, b, c), 1)[distance[:, 1] != 0], np.stack((p, c, q), 1)[distance[:, 2] != 0]
+    return np.concatenate([corners[~crosses], *pieces])
 
 
 def _places(looked: Array) -> Tuple[Array, Array]:
