@@ -7,6 +7,8 @@ os.environ.setdefault("MUJOCO_GL", "egl")
 import numpy as np
 import pytest
 
+import sideray
+
 mujoco = pytest.importorskip("mujoco", "3.0", reason="the package mujoco is not installed: pip install mujoco")
 sideray_mujoco = pytest.importorskip("sideray.mujoco")
 
@@ -233,6 +235,18 @@ def test_sky_and_planes_from_below(has_own_renderer, angle):
     expected, drawn = both(model, data_of(model), view(model, *angle))
     require_same_geometry(expected, drawn)
     assert np.abs(expected[0].astype(int) - drawn[0]).mean() < 3
+
+
+def test_segmentation_differs_where_surfaces_coincide(has_own_renderer):
+    """And nowhere else but in pixels of outlines: the depth is the same there, so that a depth buffer decides."""
+    plates = "".join(f'<geom type="box" size="3 3 .2" pos="{i - 2} {i - 2} 0"/>' for i in range(4))
+    model = model_of(plates)
+    expected, drawn = both(model, data_of(model), view(model, 60.0, -50.0, 30.0))
+    other = (expected[2] != drawn[2]).any(-1)
+    top = np.abs(expected[1] - drawn[1]) < 1e-4 * drawn[1]
+    assert other.any() and (other & ~top).mean() < 0.002
+    model = model_of(plates.replace("3 3 .2", "3 3 {}").format(0.2, 0.21, 0.22, 0.23))
+    require_same_geometry(*both(model, data_of(model), view(model, 60.0, -50.0, 30.0)))
 
 
 def test_cameras_of_the_model(has_own_renderer):
@@ -477,6 +491,20 @@ def test_channels_of_one_picture(has_own_renderer):
         inside = away_from_edges(expected[2]) & (expected[2] == drawn["segmentation"]).all(-1)
         assert (expected[2] != drawn["segmentation"]).any(-1).mean() < 0.01
         assert np.isclose(expected[1][inside], drawn["depth"][inside], rtol=5e-3).mean() > 0.999
+
+
+@pytest.mark.parametrize("material, pictures", [("even", 1), ("glass", 2)])
+def test_channels_share_pictures(monkeypatch, material, pictures):
+    """Where all is opaque one picture has all channels, and one more has what is seen first where not."""
+    drawn = []
+    render = sideray.Renderer.render
+    monkeypatch.setattr(sideray.Renderer, "render", lambda *args, **options: drawn.append(1) or render(*args, **options))
+    model = model_of(SHAPES.format(material))
+    with sideray_mujoco.Renderer(model, HEIGHT, WIDTH, glass=()) as renderer:
+        for step in range(3):
+            renderer.update_scene(data_of(model), view(model))
+            renderer.render_channels()
+            assert len(drawn) == pictures * (step + 1)
 
 
 def test_channels_are_the_first_surfaces_of_the_picture():
