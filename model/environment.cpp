@@ -63,24 +63,28 @@ Four sample(const Texels& image, glm::vec2 uv) {
   return mixed(mixed(above[i], above[next], x - fx), mixed(below[i], below[next], x - fx), y - fy);
 }
 
-Image import(uint32_t width, uint32_t height, const float* rgb, float scale, float rotation_deg) {
+Image import(uint32_t width, uint32_t height, const float* rgb, float scale) {
   Image source{width, height, std::vector<glm::vec3>(size_t{width} * height)};
   for (size_t i = 0; i < source.texels.size(); ++i)
     for (int c = 0; c < 3; ++c) {
       const float value = rgb[3 * i + static_cast<size_t>(c)] * scale;
       source.texels[i][c] = std::isfinite(value) ? std::clamp(value, 0.0f, largest_radiance) : 0.0f;
     }
+  return source;
+}
+
+// Turns it counter-clockwise as seen from above, which moves content toward smaller u.
+Image turned(Image source, float rotation_deg) {
   const float turns = rotation_deg / 360.0f;
   if (turns - std::floor(turns) == 0.0f) return source;
-  // A rotation counter-clockwise from above moves content toward smaller u.
-  Image turned = source;
+  Image result = source;
   const Texels texels(source);
-  for (uint32_t y = 0; y < height; ++y)
-    for (uint32_t x = 0; x < width; ++x)
-      turned.texels[size_t{y} * width + x] =
-          to_vec3(sample(texels, {(static_cast<float>(x) + 0.5f) / static_cast<float>(width) + turns,
-                                  (static_cast<float>(y) + 0.5f) / static_cast<float>(height)}));
-  return turned;
+  for (uint32_t y = 0; y < source.height; ++y)
+    for (uint32_t x = 0; x < source.width; ++x)
+      result.texels[size_t{y} * source.width + x] =
+          to_vec3(sample(texels, {(static_cast<float>(x) + 0.5f) / static_cast<float>(source.width) + turns,
+                                  (static_cast<float>(y) + 0.5f) / static_cast<float>(source.height)}));
+  return result;
 }
 
 Image halve(const Image& from) {
@@ -305,6 +309,21 @@ std::shared_ptr<const Environment> black_environment() {
   return environment;
 }
 
+bool is_uniform(const Image& image) {
+  return std::ranges::all_of(image.texels, [&](glm::vec3 texel) { return texel == image.texels[0]; });
+}
+
+// Every lobe sees the same of such surroundings: nothing is filtered.
+std::shared_ptr<const Environment> uniform_environment(Image input) {
+  auto environment = std::make_shared<Environment>();
+  environment->black = false;
+  environment->uniform = true;
+  environment->irradiance = {1, 1, {input.texels[0]}};
+  environment->mean = mean_radiance(environment->irradiance);
+  environment->specular.push_back(std::move(input));
+  return environment;
+}
+
 }  // namespace
 
 std::shared_ptr<const Environment> build_environment(uint32_t width, uint32_t height, const float* rgb, float scale,
@@ -315,10 +334,11 @@ std::shared_ptr<const Environment> build_environment(uint32_t width, uint32_t he
   if (!rgb) return black_environment();
   if (width < 2 || height < 2 || width > largest_width || height > largest_width)
     fail(SIDERAY_INVALID_ARGUMENT, "environment of {}x{} pixels; give 2 to {} a side", width, height, largest_width);
+  Image input = import(width, height, rgb, scale);
+  if (is_uniform(input)) return uniform_environment(std::move(input));
   auto environment = std::make_shared<Environment>();
   environment->black = false;
-  environment->uniform = std::all_of(rgb, rgb + size_t{3} * width * height, [&, i = size_t{0}](float v) mutable { return v == rgb[i++ % 3]; });
-  const std::vector<Image> source = pyramid(import(width, height, rgb, scale, rotation_deg));
+  const std::vector<Image> source = pyramid(turned(std::move(input), rotation_deg));
   uint32_t levels = 1;
   while ((height >> levels) >= smallest_level_height) ++levels;
   environment->specular.push_back(source[0]);

@@ -27,24 +27,41 @@ uint8_t linear_to_srgb(float x) {
   return static_cast<uint8_t>(std::clamp(y, 0.0f, 1.0f) * 255.0f + 0.5f);
 }
 
-// Makes the next mip level: each texel is the mean of the (up to) 2x2 texels that it covers; odd rows and columns are
-// included in the last one.
+// Holds the texels that one texel of the next mip level covers along an axis, and the weight of each.
+struct Cover {
+  uint32_t first, count;
+  float part[3];
+};
+
+// An odd number of texels is covered by three each, the outer ones in part, so that all have the same total weight.
+Cover cover_of(uint32_t x, uint32_t size) {
+  if (size == 1) return {0, 1, {1.0f}};
+  if (size % 2 == 0) return {2 * x, 2, {0.5f, 0.5f}};
+  const auto all = static_cast<float>(size), half = static_cast<float>(size / 2), at = static_cast<float>(x);
+  return {2 * x, 3, {(half - at) / all, half / all, (at + 1.0f) / all}};
+}
+
+// Makes the next mip level: each texel is the weighted mean of those it covers.
 Texture::Level halve(const Texture::Level& from, bool srgb) {
   Texture::Level to{std::max(1u, from.width / 2), std::max(1u, from.height / 2), {}};
   to.rgba.resize(size_t{4} * to.width * to.height);
   const float(&table)[256] = srgb_to_linear_table();
-  for (uint32_t y = 0; y < to.height; ++y)
+  for (uint32_t y = 0; y < to.height; ++y) {
+    const Cover rows = cover_of(y, from.height);
     for (uint32_t x = 0; x < to.width; ++x) {
-      float sum[4] = {};
-      for (uint32_t k = 0; k < 4; ++k) {
-        const uint32_t sx = std::min(2 * x + (k & 1), from.width - 1), sy = std::min(2 * y + (k >> 1), from.height - 1);
-        const uint8_t* texel = &from.rgba[size_t{4} * (size_t{sy} * from.width + sx)];
-        for (int c = 0; c < 4; ++c) sum[c] += srgb && c < 3 ? table[texel[c]] : static_cast<float>(texel[c]);
-      }
+      const Cover columns = cover_of(x, from.width);
+      float mean[4] = {};
+      for (uint32_t k = 0; k < rows.count; ++k)
+        for (uint32_t i = 0; i < columns.count; ++i) {
+          const float part = rows.part[k] * columns.part[i];
+          const uint8_t* texel = &from.rgba[size_t{4} * (size_t{rows.first + k} * from.width + columns.first + i)];
+          for (int c = 0; c < 4; ++c) mean[c] += part * (srgb && c < 3 ? table[texel[c]] : static_cast<float>(texel[c]));
+        }
       uint8_t* out = &to.rgba[size_t{4} * (size_t{y} * to.width + x)];
       for (int c = 0; c < 4; ++c)
-        out[c] = srgb && c < 3 ? linear_to_srgb(sum[c] * 0.25f) : static_cast<uint8_t>(sum[c] * 0.25f + 0.5f);
+        out[c] = srgb && c < 3 ? linear_to_srgb(mean[c]) : static_cast<uint8_t>(mean[c] + 0.5f);
     }
+  }
   return to;
 }
 

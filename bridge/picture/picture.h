@@ -32,35 +32,50 @@ namespace sideray::bridge {
 
 using Picture = sideray_picture;
 
+// Calls visit(i, y * width + x) for the pixels in the order of planes: y counts from the bottom, i from the top.
+template <typename Visit>
+void for_each_texel(const Picture& picture, Visit&& visit) {
+  size_t i = 0;
+  for (uint32_t row = picture.height; row-- > 0;)
+    for (uint32_t x = 0; x < picture.width; ++x) visit(i++, size_t{row} * picture.width + x);
+}
+
+inline void append(Picture& picture, Picture::Plane plane) {
+  const Picture::Plane& kept =
+      *picture.planes.emplace_back(std::make_shared<const Picture::Plane>(std::move(plane)));
+  if (kept.values.empty())
+    picture.channels.push_back({kept.name.c_str(), SIDERAY_CHANNEL_UINT, kept.uint_values.data()});
+  else
+    picture.channels.push_back({kept.name.c_str(), SIDERAY_CHANNEL_FLOAT, kept.values.data()});
+}
+
 // Appends a plane whose value at pixel (x, y), y counted from the bottom, is value(y * width + x).
 template <typename Value>
 void add_plane(Picture& picture, std::string name, Value&& value) {
   Picture::Plane plane{std::move(name), {}, {}};
   constexpr bool integral = std::is_integral_v<decltype(value(size_t{0}))>;
   const size_t count = size_t{picture.width} * picture.height;
+  const auto fill = [&](auto& values) {
+    values.resize(count);
+    for_each_texel(picture, [&, to = values.data()](size_t i, size_t texel) { to[i] = value(texel); });
+  };
   if constexpr (integral)
-    plane.uint_values.reserve(count);
+    fill(plane.uint_values);
   else
-    plane.values.reserve(count);
-  for (uint32_t row = picture.height; row-- > 0;)
-    for (uint32_t x = 0; x < picture.width; ++x) {
-      const size_t texel = size_t{row} * picture.width + x;
-      if constexpr (integral)
-        plane.uint_values.push_back(value(texel));
-      else
-        plane.values.push_back(value(texel));
-    }
-  const Picture::Plane& kept =
-      *picture.planes.emplace_back(std::make_shared<const Picture::Plane>(std::move(plane)));
-  if constexpr (integral)
-    picture.channels.push_back({kept.name.c_str(), SIDERAY_CHANNEL_UINT, kept.uint_values.data()});
-  else
-    picture.channels.push_back({kept.name.c_str(), SIDERAY_CHANNEL_FLOAT, kept.values.data()});
+    fill(plane.values);
+  append(picture, std::move(plane));
 }
 
+// All four planes are filled at once: memory is what takes time.
 inline void add_color(Picture& picture, const std::vector<glm::vec4>& color) {
-  const char* const names[] = {"R", "G", "B", "A"};
-  for (int c = 0; c < 4; ++c) add_plane(picture, names[c], [&](size_t i) { return color[i][c]; });
+  Picture::Plane planes[] = {{"R", {}, {}}, {"G", {}, {}}, {"B", {}, {}}, {"A", {}, {}}};
+  for (Picture::Plane& plane : planes) plane.values.resize(color.size());
+  for_each_texel(picture, [&, r = planes[0].values.data(), g = planes[1].values.data(), b = planes[2].values.data(),
+                           a = planes[3].values.data()](size_t i, size_t texel) {
+    const glm::vec4 c = color[texel];
+    r[i] = c.x, g[i] = c.y, b[i] = c.z, a[i] = c.w;
+  });
+  for (Picture::Plane& plane : planes) append(picture, std::move(plane));
 }
 
 // Adds three planes with the components of value(texel).

@@ -127,12 +127,15 @@ void by_rows(py::ssize_t height, py::ssize_t width, py::ssize_t threads, const W
   work(py::ssize_t{0}, height / parts);
 }
 
+// Numbers of 0 to 1 as they are, in 256 steps.
+uint8_t byte_of(float value) { return static_cast<uint8_t>(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f); }
+
 // Where nothing hides it, `added` is added and the sky times `sky_share`. planes: R, G, B, A. A pixel's direction is corner +
-// column * across + row * down. haze: the fields of Haze. Returns (height, width, 3).
+// column * across + row * down. haze: the fields of Haze. Returns (height, width, 3), float32, or uint8 with as_bytes.
 py::array with_backdrop(const std::vector<Array<float>>& planes, const Array<double>& added,
                         const std::optional<Array<uint8_t>>& faces, double sky_share, bool srgb, const Array<double>& corner,
                         const Array<double>& across, const Array<double>& down, py::ssize_t threads,
-                        const std::optional<py::dict>& haze_fields) {
+                        const std::optional<py::dict>& haze_fields, bool as_bytes) {
   const Vec3 constant = vector_of(added, "added"), from = vector_of(corner, "corner"), right = vector_of(across, "across"),
              below = vector_of(down, "down");
   if (planes.size() != 4) throw Error(SIDERAY_INVALID_ARGUMENT, "planes: give R, G, B and A");
@@ -142,8 +145,9 @@ py::array with_backdrop(const std::vector<Array<float>>& planes, const Array<dou
   if (faces && (sky_share != 0.0 || haze_fields)) sky.emplace(*faces, srgb);
   std::optional<Haze> haze;
   if (haze_fields) haze = haze_of(*haze_fields, height * width);
-  py::array_t<float> result({height, width, py::ssize_t{3}});
-  float* const pixels = result.mutable_data();
+  const std::vector<py::ssize_t> shape{height, width, 3};
+  py::array result = as_bytes ? py::array(py::array_t<uint8_t>(shape)) : py::array(py::array_t<float>(shape));
+  void* const pixels = result.mutable_data();
   const std::array<const float*, 4> rgba = {planes[0].data(), planes[1].data(), planes[2].data(), planes[3].data()};
   py::gil_scoped_release released;
   const auto share = static_cast<float>(sky_share);
@@ -152,25 +156,26 @@ py::array with_backdrop(const std::vector<Array<float>>& planes, const Array<dou
     for (size_t k = 0; k < 3; ++k) d[k] = from[k] + static_cast<float>(x) * right[k] + static_cast<float>(y) * below[k];
     return d;
   };
-  const auto blur = [&](const Vec3& d, float* to, bool is_surface) {
+  const auto blur = [&](const Vec3& d, Vec3& to, bool is_surface) {
     const float slope = haze->slope(d), part = haze->share_at(slope);
-    if (is_surface && slope < 1.0f && sky) {
-      const Vec3 seen = sky->look_up(d);
-      for (size_t k = 0; k < 3; ++k) to[k] = seen[k];
-    }
+    if (is_surface && slope < 1.0f && sky) to = sky->look_up(d);
     for (size_t k = 0; k < 3; ++k) to[k] += part * (haze->color[k] - to[k]);
   };
   const auto fill_row = [&](py::ssize_t y) {
     for (py::ssize_t x = 0, i = y * width; x < width; ++x, ++i) {
-      float* const to = pixels + 3 * i;
       const float clear = 1.0f - rgba[3][i];
       Vec3 missing = constant;
       if (clear > 0.0f && sky && share != 0.0f) {
         const Vec3 seen = sky->look_up(direction(x, y));
         for (size_t k = 0; k < 3; ++k) missing[k] += share * seen[k];
       }
-      for (size_t k = 0; k < 3; ++k) to[k] = rgba[k][i] + (clear > 0.0f ? clear * missing[k] : 0.0f);
-      if (haze && haze->is_at(i)) blur(direction(x, y), to, haze->surfaces.data()[i] != 0);
+      Vec3 color;
+      for (size_t k = 0; k < 3; ++k) color[k] = rgba[k][i] + (clear > 0.0f ? clear * missing[k] : 0.0f);
+      if (haze && haze->is_at(i)) blur(direction(x, y), color, haze->surfaces.data()[i] != 0);
+      if (as_bytes)
+        std::ranges::transform(color, static_cast<uint8_t*>(pixels) + 3 * i, byte_of);
+      else
+        std::ranges::copy(color, static_cast<float*>(pixels) + 3 * i);
     }
   };
   by_rows(height, width, threads, [&](py::ssize_t first, py::ssize_t end) {
@@ -179,24 +184,12 @@ py::array with_backdrop(const std::vector<Array<float>>& planes, const Array<dou
   return result;
 }
 
-// Numbers of 0 to 1 as they are, in 256 steps.
-py::array as_bytes(const Array<float>& values) {
-  py::array_t<uint8_t> result(std::vector<py::ssize_t>(values.shape(), values.shape() + values.ndim()));
-  uint8_t* to = result.mutable_data();
-  const float* from = values.data();
-  const auto count = static_cast<size_t>(values.size());
-  py::gil_scoped_release released;
-  for (size_t i = 0; i < count; ++i) to[i] = static_cast<uint8_t>(std::clamp(from[i], 0.0f, 1.0f) * 255.0f + 0.5f);
-  return result;
-}
-
 }  // namespace
 
 void define_backdrop(py::module_& module) {
   module.def("with_backdrop", with_backdrop, py::arg("planes"), py::arg("added"), py::arg("faces"), py::arg("sky_share"),
              py::arg("srgb"), py::arg("corner"), py::arg("across"), py::arg("down"), py::arg("threads"),
-             py::arg("haze"));
-  module.def("as_bytes", as_bytes, py::arg("values"));
+             py::arg("haze"), py::arg("as_bytes"));
 }
 
 }  // namespace sideray::python

@@ -134,7 +134,7 @@ class Picture:
 
     def save(self, path: Any, *, exposure: Optional[float] = None, tonemap: Optional[str] = None) -> None:
         """Writes the picture whole or not at all. `.png`: as display() shows it; `.exr`: every channel, linear."""
-        name = os.fspath(path)
+        name = os.fsdecode(path)
         kind = os.path.splitext(name)[1].lower()
         if kind == ".exr":
             _native.write_exr(name, self._planes)

@@ -611,7 +611,7 @@ def load(path: Union[str, "os.PathLike[str]"], *, animation: str = "", variant: 
     max_gb of memory (10^9 bytes): a file that takes more is refused; 0 = what SIDERAY_LOAD_SECONDS and SIDERAY_LOAD_GB say,
     else 20 and 2.
     """
-    name = os.fspath(path)
+    name = os.fsdecode(path)
     if not _native.is_builtin(name) and not os.path.exists(name):
         known = [row["name"] for row in _native.builtin_table()]
         near = difflib.get_close_matches(name, known, 1)

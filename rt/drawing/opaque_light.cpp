@@ -2,6 +2,7 @@
 
 #include <half.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <span>
@@ -61,7 +62,9 @@ class LightPass {
   }
 
   void light(size_t index, LightWorker& w) {
-    w.tile.aim(view_, pixels_.width, pixels_.height, index);
+    w.tile.list(pixels_.width, pixels_.height, index);
+    if (fill_empty(w.tile)) return;
+    w.tile.aim(view_);
     list(w);
     if (w.places.empty()) return;
     w.batch.begin(scene_, intersector_.isa());
@@ -98,6 +101,18 @@ class LightPass {
     return std::span(masks.lit).subspan(layer * pixels, pixels);
   }
 
+  size_t texel_of(glm::uvec2 pixel) const { return size_t{pixel.y} * pixels_.width + pixel.x; }
+
+  // Fills a tile that shows nothing but uniform surroundings, which takes no rays; false where there is more.
+  bool fill_empty(const ViewTile& tile) const {
+    const model::Environment& environment = *scene_.snapshot->environment;
+    const auto is_empty = [&](glm::uvec2 p) { return pixels_.hits[texel_of(p)].instance == no_instance; };
+    if (!is_uniform(environment) || !std::ranges::all_of(tile.pixels, is_empty)) return false;
+    const glm::vec4 seen(environment_specular(environment, glm::vec3(0.0f), 0.0f), 0.0f);
+    for (const glm::uvec2 p : tile.pixels) picture_[texel_of(p)] = seen;
+    return true;
+  }
+
   // Lists what shows a surface, and lets the rest show the sky.
   void list(LightWorker& w) {
     w.places.clear();
@@ -105,7 +120,7 @@ class LightPass {
     w.thin.clear();
     w.thin.reserve(w.tile.pixels.size());  // `places` points into it
     for (size_t i = 0; i < w.tile.pixels.size(); ++i) {
-      const uint32_t texel = w.tile.pixels[i].y * pixels_.width + w.tile.pixels[i].x;
+      const auto texel = static_cast<uint32_t>(texel_of(w.tile.pixels[i]));
       const Hit& hit = pixels_.hits[texel];
       if (hit.instance == no_instance) {
         picture_[texel] = {environment_specular(*scene_.snapshot->environment, w.tile.rays[i].direction, 0.0f), 0.0f};

@@ -23,6 +23,24 @@ struct ViewTile {
   // Refills all three with the pixels of a tile, row by row, that lie in the picture.
   void aim(const ViewRays& view, uint32_t width, uint32_t height, size_t tile) {
     list(width, height, tile);
+    aim(view);
+  }
+
+  // Refills the pixels alone.
+  void list(uint32_t width, uint32_t height, size_t tile) {
+    constexpr uint32_t side = 4, blocks = size / side;
+    const uint32_t x0 = static_cast<uint32_t>(tile % tiles_in(width)) * size;
+    const uint32_t y0 = static_cast<uint32_t>(tile / tiles_in(width)) * size;
+    pixels.clear();
+    for (uint32_t i = 0; i < size * size; ++i) {
+      const uint32_t block = i / (side * side), in_block = i % (side * side);
+      const glm::uvec2 p(x0 + block % blocks * side + in_block % side, y0 + block / blocks * side + in_block / side);
+      if (p.x < width && p.y < height) pixels.push_back(p);
+    }
+  }
+
+  // Refills the rays and cones of the pixels that are listed.
+  void aim(const ViewRays& view) {
     const size_t blocks = (pixels.size() + ViewRays::Block::size - 1) / ViewRays::Block::size;
     rays.resize(blocks * ViewRays::Block::size);
     cones.resize(rays.size());
@@ -38,19 +56,6 @@ struct ViewTile {
     }
     rays.resize(pixels.size());
     cones.resize(pixels.size());
-  }
-
- private:
-  void list(uint32_t width, uint32_t height, size_t tile) {
-    constexpr uint32_t side = 4, blocks = size / side;
-    const uint32_t x0 = static_cast<uint32_t>(tile % tiles_in(width)) * size;
-    const uint32_t y0 = static_cast<uint32_t>(tile / tiles_in(width)) * size;
-    pixels.clear();
-    for (uint32_t i = 0; i < size * size; ++i) {
-      const uint32_t block = i / (side * side), in_block = i % (side * side);
-      const glm::uvec2 p(x0 + block % blocks * side + in_block % side, y0 + block / blocks * side + in_block / side);
-      if (p.x < width && p.y < height) pixels.push_back(p);
-    }
   }
 };
 

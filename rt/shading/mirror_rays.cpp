@@ -6,6 +6,7 @@
 #include "model/hemisphere.h"
 #include "rt/base/sampling.h"
 #include "rt/base/largest.h"
+#include "rt/textures/environment_lookup.h"
 
 namespace sideray::rt {
 namespace {
@@ -126,7 +127,7 @@ void MirrorRays::reflect(std::span<const SurfacePoint> points, glm::vec3* radian
 // is looked up as sharp as half the roughness has it, since the filter averages neighbouring directions.
 void MirrorRays::see_past(std::vector<RoughReflection>& rough) {
   constexpr float narrower = 0.5f;
-  const bool black = scene_->snapshot->environment->black;
+  const bool uniform = is_uniform(*scene_->snapshot->environment);
   missed_.clear();
   for (size_t i = 0; i < rough.size(); ++i)
     if (rough[i].weight != glm::vec3(0.0f)) missed_.push_back(static_cast<uint32_t>(i));
@@ -136,7 +137,7 @@ void MirrorRays::see_past(std::vector<RoughReflection>& rough) {
     RoughReflection& r = rough[missed_[i]];
     r.is_sampled = true;
     r.surroundings = met_radiance_[i];
-    const glm::vec2 uv = black ? glm::vec2(0.0f) : shading::sr_latlong(rays_[missed_[i]].direction);
+    const glm::vec2 uv = uniform ? glm::vec2(0.0f) : shading::sr_latlong(rays_[missed_[i]].direction);
     places_.push_back({uv, narrower * r.roughness});
   }
   met_->surroundings(places_, met_radiance_.data());
@@ -176,11 +177,11 @@ void MirrorRays::see_surroundings() {
 // Writes the environment that the lobes of missed_ see to met_radiance_.
 void MirrorRays::look_up_surroundings() {
   places_.clear();
-  const bool black = scene_->snapshot->environment->black;
+  const bool uniform = is_uniform(*scene_->snapshot->environment);
   for (const uint32_t r : missed_) {
     const Mirror& m = mirrors_[r];
     const glm::vec2 uv =
-        black ? glm::vec2(0.0f) : shading::sr_latlong(shading::sr_dominant(m.normal, m.direction, m.roughness));
+        uniform ? glm::vec2(0.0f) : shading::sr_latlong(shading::sr_dominant(m.normal, m.direction, m.roughness));
     places_.push_back({uv, m.roughness});
   }
   met_radiance_.resize(places_.size());

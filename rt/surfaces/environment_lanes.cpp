@@ -19,12 +19,15 @@ EnvironmentLevels levels_of(const model::Environment& environment) {
   EnvironmentLevels levels{};
   if (environment.black) return levels;
   for (const model::Environment::Image& image : environment.specular) add(image, levels);
+  levels.uniform = environment.uniform;
   return levels;
 }
 
 EnvironmentLanes::EnvironmentLanes(const model::Environment& environment, const ShadeKernels& kernels)
     : kernels_(&kernels), specular_(levels_of(environment)) {
-  if (!environment.black) add(environment.irradiance, irradiance_);
+  if (environment.black) return;
+  add(environment.irradiance, irradiance_);
+  irradiance_.uniform = environment.uniform;
 }
 
 void EnvironmentLanes::look_up(const EnvironmentLevels& levels, std::span<const glm::vec3> directions, float roughness,
@@ -35,7 +38,7 @@ void EnvironmentLanes::look_up(const EnvironmentLevels& levels, std::span<const 
   for (size_t first = 0; first < directions.size(); first += block_size) {
     const size_t count = std::min<size_t>(block_size, directions.size() - first);
     for (size_t i = 0; i < block_size; ++i) set_vector(direction, i, directions[first + std::min(i, count - 1)]);
-    kernels_->places(direction, direction, mirror_like, uv);
+    if (!levels.uniform) kernels_->places(direction, direction, mirror_like, uv);
     kernels_->specular(levels, uv, rough, result);
     for (size_t i = 0; i < count; ++i) found[first + i] = vector_at(result, i);
   }

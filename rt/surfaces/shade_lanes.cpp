@@ -303,6 +303,7 @@ SIDERAY_LANE real3 sample(TexelView image, Pair x, Pair y) {
 
 SIDERAY_LANE real3 sample_latlong(TexelView image, real3 direction) {
   if (image.width == 0) return sr_real3(0.0f);
+  if (image.width == 1) return {real(image.texels[0]), real(image.texels[1]), real(image.texels[2])};  // is_uniform()
   const real2 uv = sr_latlong(direction);
   return sample(image, repeated_pair(uv.x, image.width), clamped_pair(uv.y, image.height));
 }
@@ -415,6 +416,11 @@ SIDERAY_LANE Four sample(const EnvironmentLevels& levels, const SpecularBlock& b
 // All texels are fetched ahead: one look-up after the other would spend most of its time waiting for memory.
 void specular_block(const EnvironmentLevels& levels, const BlockRow (&uv)[2], const BlockRow& roughness,
                     BlockRow (&radiance)[3]) {
+  if (levels.uniform) {
+    for (int c = 0; c < 3; ++c)
+      for (int at = 0; at < static_cast<int>(block_size); at += lane_count) store(radiance[c] + at, real(levels.texels[0][c]));
+    return;
+  }
   SpecularBlock blocks[2];
   alignas(64) BlockRow weight;
   for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {

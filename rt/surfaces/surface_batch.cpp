@@ -304,7 +304,7 @@ void SurfaceBatch::reflect_environment(size_t block, uint32_t lanes) {
 void SurfaceBatch::look_up(const BlockRow (&mirror)[3], const LobeRows& lobe, uint32_t lanes,
                            BlockRow (&radiance)[3]) const {
   alignas(64) BlockRow uv[2], found[3];
-  kernels_->places(lobe.normal, mirror, lobe.roughness, uv);
+  if (!levels_.uniform) kernels_->places(lobe.normal, mirror, lobe.roughness, uv);
   kernels_->specular(levels_, uv, lobe.roughness, found);
   for (uint32_t bits = lanes; bits != 0; bits &= bits - 1) {
     const auto i = static_cast<size_t>(std::countr_zero(bits));

@@ -52,18 +52,17 @@ glm::vec3 sample(const Image& image, glm::vec2 uv) {
 }  // namespace
 
 glm::vec3 environment_irradiance(const model::Environment& environment, glm::vec3 direction) {
-  if (environment.black) return glm::vec3(0.0f);
+  if (is_uniform(environment)) return environment.irradiance.texels[0];
   return sample(environment.irradiance, shading::sr_latlong(direction));
 }
 
 glm::vec3 environment_specular(const model::Environment& environment, glm::vec3 direction, float roughness) {
-  if (environment.black) return glm::vec3(0.0f);
-  if (environment.uniform && roughness == 0.0f) return environment.specular[0].texels[0];
+  if (is_uniform(environment)) return environment.specular[0].texels[0];
   return environment_specular_at(environment, {shading::sr_latlong(direction), roughness});
 }
 
 glm::vec3 environment_specular_at(const model::Environment& environment, const EnvironmentPlace& place) {
-  if (environment.black) return glm::vec3(0.0f);
+  if (is_uniform(environment)) return environment.specular[0].texels[0];
   const size_t last = environment.specular.size() - 1;
   const float level = clamped(place.roughness, 1.0f) * static_cast<float>(last);
   const auto below = static_cast<size_t>(level);

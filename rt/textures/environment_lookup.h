@@ -8,6 +8,11 @@
 
 namespace sideray::rt {
 
+// Returns whether the same comes from all directions, so that look-ups need none.
+inline bool is_uniform(const model::Environment& environment) {
+  return environment.black || environment.uniform;
+}
+
 // Samples the irradiance as GL does: bilinear between texel centres, u repeats, v clamps. `direction` is unit.
 glm::vec3 environment_irradiance(const model::Environment& environment, glm::vec3 direction);
 

@@ -10,11 +10,23 @@ namespace sideray::model {
 namespace {
 
 TEST(Environment, ConstantRadianceStaysConstantInEveryImage) {
-  const std::vector<float> rgb(64 * 32 * 3, 2.5f);
+  std::vector<float> rgb(64 * 32 * 3, 2.5f);
+  rgb[100] = 2.500001f;  // what is exactly constant is not filtered
   const auto environment = build_environment(64, 32, rgb.data(), 2.0f, 0.0f);
+  ASSERT_GT(environment->specular.size(), 1u);
+  EXPECT_FALSE(environment->uniform);
   for (const auto& level : environment->specular)
     for (const glm::vec3& texel : level.texels) EXPECT_NEAR(texel.x, 5.0f, 1e-4f);
   for (const glm::vec3& texel : environment->irradiance.texels) EXPECT_NEAR(texel.y, 5.0f, 1e-4f);
+}
+
+TEST(Environment, UniformSurroundingsAreWhatTheyAreFromEverywhere) {
+  const std::vector<float> rgb(64 * 32 * 3, 0.7f);
+  const auto environment = build_environment(64, 32, rgb.data(), 1.0f, 30.0f);
+  EXPECT_TRUE(environment->uniform);
+  EXPECT_EQ(environment->irradiance.texels.at(0), glm::vec3(0.7f));
+  EXPECT_EQ(environment->specular.size(), 1u);
+  EXPECT_FLOAT_EQ(environment->mean, 0.7f);
 }
 
 // Radiance = max(0, dot(direction, z))... of a clamped-cosine sky about +Y: E / pi at the pole is 2/3.

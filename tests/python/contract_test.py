@@ -81,6 +81,13 @@ def test_pictures_of_other_kinds_are_refused(renderer, tmp_path):
     assert (tmp_path / "x.PNG").read_bytes()[:4] == b"\x89PNG"
 
 
+def test_names_in_bytes_are_written_as_text(renderer):
+    with pytest.raises(sideray.SceneNotFound, match="^cannot read nothing.glb:"):
+        sideray.load(b"nothing.glb")
+    with pytest.raises(sideray.InvalidArgument, match="^x.jpg:"):
+        renderer.render(sideray.load("panes"), (16, 9)).save(b"x.jpg")
+
+
 def test_pictures_go_to_other_processes(renderer):
     picture = renderer.render(sideray.load("panes"), (16, 9), aov="N")
     there = pickle.loads(pickle.dumps(picture))

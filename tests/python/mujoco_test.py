@@ -7,6 +7,8 @@ os.environ.setdefault("MUJOCO_GL", "egl")
 import numpy as np
 import pytest
 
+import sideray
+
 mujoco = pytest.importorskip("mujoco", "3.0", reason="the package mujoco is not installed: pip install mujoco")
 sideray_mujoco = pytest.importorskip("sideray.mujoco")
 
@@ -133,6 +135,60 @@ def test_shapes_and_their_textures(has_own_renderer, material, angle):
     assert error.mean() < (6 if material == "glass" else 4)
 
 
+@pytest.mark.parametrize("scale", [(1.0, 1.0, 1.0), (0.1, 0.1, 0.4)])
+def test_triangles_follow_a_cube_texture(scale):
+    """Interpolated coordinates are less than half a texel from those of a cube, and the whole shape is there without gaps."""
+    from sideray.mujoco import _shapes, _textures
+
+    side, scale = 100, np.array(scale)
+    ball = _shapes.sphere(48, 32)
+    positions, triangles, _, uv = _textures.onto_cube(ball, scale, side)
+    assert triangles is None and len(positions) < 2.5 * 3 * len(ball[1])
+    corners, place = positions.reshape(-1, 3, 3), uv.reshape(-1, 3, 2)
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=-1).sum()
+    whole = ball[0][ball[1]]
+    assert np.isclose(area, np.linalg.norm(np.cross(whole[:, 1] - whole[:, 0], whole[:, 2] - whole[:, 0]), axis=-1).sum())
+    vertices = np.unique(np.round(positions, 7) + 0.0, axis=0, return_inverse=True)[1].reshape(-1, 3)
+    edges = np.sort(vertices[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    assert (np.unique(edges, axis=0, return_counts=True)[1] == 2).all()  # each is that of two triangles
+    weights = np.random.default_rng(2).dirichlet(np.ones(3), len(corners))[:, :, None]
+    face, exact = _textures.faces_of((corners * weights).sum(1) * scale)
+    width = _textures.strip(np.zeros((6, side, side, 3), np.uint8)).shape[1]
+    exact = np.stack([exact[:, 0] * side + (width - side) // 2, exact[:, 1] * side + (width - side) // 2 + face * width], -1)
+    assert np.abs((place * weights).sum(1) * [width, 6 * width] - exact).max() < 0.5
+
+
+def test_faces_of_a_cube_do_not_mix():
+    """Nor do their mip levels, as far as the margins reach: red faces between green ones."""
+    from sideray.mujoco import _textures
+
+    faces = np.zeros((6, 50, 50, 3), np.uint8)
+    faces[::2, :, :, 0] = faces[1::2, :, :, 1] = 255
+    strip = _textures.strip(faces)
+    assert strip.shape[1] % 32 == 0 and strip.shape[0] == 6 * strip.shape[1]
+    for number in range(6):
+        block = strip[number * strip.shape[1]:(number + 1) * strip.shape[1]]
+        assert (block == faces[number, 0, 0]).all()
+
+
+@pytest.mark.parametrize("reflectance", [0.2, 0.9])
+def test_mirrors_add_to_what_a_surface_shows(has_own_renderer, reflectance):
+    """And neither the sky nor ambient light is mirrored."""
+    world = f"""<light directional="true" diffuse=".3 .3 .3" dir="0 .5 -1" pos="0 0 3" castshadow="false" specular="0 0 0"/>
+    <geom type="plane" size="3 3 .1" rgba=".6 .4 .2 1" material="mirror"/>
+    <geom type="box" size=".5 .5 .02" pos="0 .3 .8" rgba="0 1 0 1"/>"""
+    model = mujoco.MjModel.from_xml_string(
+        f"<mujoco><statistic center='0 0 .2' extent='2'/><visual><headlight ambient='.2 .2 .2' diffuse='.1 .1 .1' specular='0 0 0'/>"
+        f"</visual><asset><texture name='sky' type='skybox' builtin='flat' rgb1='.3 .5 .8' width='8' height='48'/>"
+        f"<material name='mirror' reflectance='{reflectance}' specular='0'/></asset><worldbody>{world}</worldbody></mujoco>")
+    expected, drawn = both(model, data_of(model), view(model, 90.0, -30.0))
+    inside = away_from_edges(expected[2])
+    error = np.abs(expected[0].astype(int) - drawn[0]).max(-1)[inside]
+    assert (error > 2).mean() < 0.02  # the edge of what is mirrored
+    floor = drawn[0][(expected[2][..., 0] == 0) & inside].astype(int)
+    assert floor[:, 1].max() - floor[:, 1].min() > 10  # and something is
+
+
 def test_moving_things_sites_flexes_and_what_is_added(has_own_renderer):
     model = model_of(MOVING)
     option = mujoco.MjvOption()
@@ -179,6 +235,18 @@ def test_sky_and_planes_from_below(has_own_renderer, angle):
     expected, drawn = both(model, data_of(model), view(model, *angle))
     require_same_geometry(expected, drawn)
     assert np.abs(expected[0].astype(int) - drawn[0]).mean() < 3
+
+
+def test_segmentation_differs_where_surfaces_coincide(has_own_renderer):
+    """And nowhere else but in pixels of outlines: the depth is the same there, so that a depth buffer decides."""
+    plates = "".join(f'<geom type="box" size="3 3 .2" pos="{i - 2} {i - 2} 0"/>' for i in range(4))
+    model = model_of(plates)
+    expected, drawn = both(model, data_of(model), view(model, 60.0, -50.0, 30.0))
+    other = (expected[2] != drawn[2]).any(-1)
+    top = np.abs(expected[1] - drawn[1]) < 1e-4 * drawn[1]
+    assert other.any() and (other & ~top).mean() < 0.002
+    model = model_of(plates.replace("3 3 .2", "3 3 {}").format(0.2, 0.21, 0.22, 0.23))
+    require_same_geometry(*both(model, data_of(model), view(model, 60.0, -50.0, 30.0)))
 
 
 def test_cameras_of_the_model(has_own_renderer):
@@ -423,6 +491,20 @@ def test_channels_of_one_picture(has_own_renderer):
         inside = away_from_edges(expected[2]) & (expected[2] == drawn["segmentation"]).all(-1)
         assert (expected[2] != drawn["segmentation"]).any(-1).mean() < 0.01
         assert np.isclose(expected[1][inside], drawn["depth"][inside], rtol=5e-3).mean() > 0.999
+
+
+@pytest.mark.parametrize("material, pictures", [("even", 1), ("glass", 2)])
+def test_channels_share_pictures(monkeypatch, material, pictures):
+    """Where all is opaque one picture has all channels, and one more has what is seen first where not."""
+    drawn = []
+    render = sideray.Renderer.render
+    monkeypatch.setattr(sideray.Renderer, "render", lambda *args, **options: drawn.append(1) or render(*args, **options))
+    model = model_of(SHAPES.format(material))
+    with sideray_mujoco.Renderer(model, HEIGHT, WIDTH, glass=()) as renderer:
+        for step in range(3):
+            renderer.update_scene(data_of(model), view(model))
+            renderer.render_channels()
+            assert len(drawn) == pictures * (step + 1)
 
 
 def test_channels_are_the_first_surfaces_of_the_picture():

@@ -49,7 +49,7 @@ class Renderer:
         self._model, self._height, self._width, self._batch = model, height, width, batch
         self._states: Sequence[MjData] = ()
         self._update: Any = None  # what update_scene() was called with
-        self._look = Look(linear, patterns)
+        self._look = Look(linear, patterns, surrounded=options.get("ambient") not in (None, False, "off"))
         self._options = options
         self._scene = mujoco.MjvScene(model=model, maxgeom=max_geom)
         self._scene_option = mujoco.MjvOption()
@@ -322,10 +322,10 @@ class Renderer:
                options: Mapping[str, Any]) -> Array:
         corner, across, down = camera._directions(picture.size)
         rgb = _native.with_backdrop([picture[name] for name in "RGBA"], *backdrop, corner, across, down,
-                                    picture.stats["threads"], haze)
+                                    picture.stats["threads"], haze, not self._look.linear)
         if self._look.linear:
             return _native.display(np.maximum(rgb, 0), options.get("exposure", 0.0), options["tonemap"])
-        return _native.as_bytes(rgb)
+        return rgb
 
     def _depth_or_segmentation(self, channel: str) -> Array:
         if self._solid is None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import fnmatch
-from typing import Any, Callable, Dict, Hashable, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Hashable, List, Mapping, Optional, Sequence, Tuple, cast
 
 import numpy as np
 
@@ -66,11 +66,13 @@ class Look:
     """How colours of a model become materials.
 
     linear: rgba are sRGB, as people choose colours, and the picture is tone mapped; else all numbers are taken as they are
-    and shown as they come out, as MuJoCo does. glass: fields of the materials that names match.
+    and shown as they come out, as MuJoCo does. glass: fields of the materials that names match. surrounded: ambient light comes
+    from around the scene, where things can hide it; else it reaches everything.
     """
 
     linear: bool
     glass: Mapping[str, Mapping[str, Any]]
+    surrounded: bool
 
     def color(self, rgb: Any) -> Array:
         values = np.asarray(rgb, np.float64)
@@ -132,15 +134,17 @@ class Mirror:
         self._free: List[int] = []
         self._geometry: Dict[Hashable, int] = {}
         self._materials: Dict[Hashable, int] = {}
+        self._materials_seen: Dict[Hashable, Hashable] = {}  # keys of _materials by all that they depend on
         self._textures: Dict[Tuple[int, bool], int] = {}
         self._moving: Dict[Hashable, Tuple[int, int]] = {}
-        self._occlusion: Optional[int] = None
-        self._has_environment = self._has_glass = False
+        self._occlusions: Dict[int, int] = {}  # textures by their texel
+        self._has_glass = False
+        self._surroundings: Any = None  # as Scene.set_environment() was told
         self._transforms = np.empty((0, 12))
         self._lights: List[Dict[str, Any]] = []
         self._wanted_before: Dict[_Key, Any] = {}
+        self._scales = np.empty((0, 3))
         # Of planes without an end: sides, repeats of the texture, rotation and position.
-        self._scales: Dict[_Key, Array] = {}
         self._endless: Dict[_Key, Tuple[Array, Array, Array, Array]] = {}
         #: Whether something that is drawn is not opaque.
         self.shows_through = False
@@ -153,7 +157,12 @@ class Mirror:
         """Follows an mjvScene."""
         if source.enabletransform:
             raise NotImplementedError("enabletransform: a scene with a transform of its own is not drawn; leave it out")
+        if not self.is_solid:
+            self.ambient = sum((self.look.color(light.ambient) for light in source.lights[:source.nlight]), np.zeros(3))
+        was_in_sky = self.is_in_sky
         wanted = self._wanted(source)
+        if self.is_in_sky != was_in_sky:
+            wanted = self._wanted(source)
         edit = self.scene._edited
         gone = [self._shown.pop(key) for key in list(self._shown) if key not in wanted]
         if gone:
@@ -169,6 +178,7 @@ class Mirror:
         self._forget({w[0] for w in wanted.values()}, {w[1] for w in wanted.values()})
         if not self.is_solid:
             self._set_lights(source)
+            self._set_surroundings()
 
     # ---- other states of the same model ----
 
@@ -189,14 +199,13 @@ class Mirror:
         """The instances that move from state to state, and (states, instances, 12): where they are. eyes: of the cameras."""
         keys = list(self._wanted_before)
         placed = np.array([w[2] for w in self._wanted_before.values()]).reshape(-1, 4, 3)
-        scale = np.array([self._scales[key] for key in keys]).reshape(-1, 3)
         result = np.broadcast_to(placed, (len(states), *placed.shape)).copy()
         for what in _PLACED:
             rows = [row for row, ((_, _, other, _), _) in enumerate(keys)
                     if other == what and keys[row] not in self._endless]
             if rows:
                 position, turn = _places(states, what, [keys[row][0][3] for row in rows])
-                result[:, rows, :3] = turn.swapaxes(2, 3) * scale[rows, :, None]
+                result[:, rows, :3] = turn.swapaxes(2, 3) * self._scales[rows, :, None]
                 result[:, rows, 3] = position
         for row, key in enumerate(keys):
             if key in self._endless:
@@ -235,13 +244,13 @@ class Mirror:
 
     def _wanted(self, source: Any) -> Dict[_Key, Tuple[Hashable, Hashable, Array, Tuple[int, int]]]:
         """Of each geom that is seen: its mesh, its material, its transform, and what it is."""
-        wanted: Dict[_Key, Tuple[Hashable, Hashable, Array, Tuple[int, int]]] = {}
+        shown: Dict[_Key, Tuple[Any, Hashable, Hashable]] = {}
         counts: Dict[Tuple[int, int, int, int], int] = {}
-        self._endless, self._scales = {}, {}
+        self._endless = {}
         for geom in source.geoms[:source.ngeom]:
             if geom.rgba[3] == 0 or (not self.is_round and geom.segid < 0):
                 continue
-            if geom.type not in (_FLEX, _SKIN) and not np.any(geom.mat):  # it has no place before mj_forward()
+            if geom.type not in (_FLEX, _SKIN) and not geom.mat.any():  # it has no place before mj_forward()
                 continue
             mesh = self._mesh_of(geom, source)
             if mesh is None:
@@ -253,26 +262,31 @@ class Mirror:
             if geom.type == _G.mjGEOM_PLANE and np.any(np.asarray(geom.size)[:2] <= 0):
                 self._endless[(what, counts[what])] = (np.array(geom.size), np.array(geom.texrepeat),
                                                        np.array(geom.mat, np.float64).reshape(3, 3), np.array(geom.pos, np.float64))
-            placed, self._scales[(what, counts[what])] = self._placed(geom, source)
-            wanted[(what, counts[what])] = mesh, material, placed, (geom.objid, geom.objtype)
-        return wanted
+            shown[(what, counts[what])] = geom, mesh, material
+        placed = self._placed([geom for geom, _, _ in shown.values()], source)
+        return {key: (mesh, material, where, (geom.objid, geom.objtype))
+                for (key, (geom, mesh, material)), where in zip(shown.items(), placed)}
 
-    def _placed(self, geom: Any, source: Any) -> Tuple[Array, Array]:
-        """World from object as twelve numbers, column by column; and the scale along the object's axes that is in it."""
-        if geom.type in (_FLEX, _SKIN):  # their vertices are in the world already
-            return np.eye(4)[:3].T.ravel(), np.ones(3)
-        turn, position = np.asarray(geom.mat, np.float64).reshape(3, 3), np.array(geom.pos, np.float64)
-        size = np.asarray(geom.size, np.float64)
-        if geom.type not in _UNIT:
-            scale = np.ones(3)
-        elif geom.type == _G.mjGEOM_PLANE:
-            scale, position = self._plane(geom.size, geom.texrepeat, source.camera[0].pos, turn, position)
-        elif geom.type == _G.mjGEOM_LINE:
-            scale = np.array([0.001, 0.001, 1.0]) * [self.model.stat.meansize, self.model.stat.meansize, size[2]]
-        else:
-            scale = size
-        scale = np.where(np.abs(scale) < 1e-9, 1e-9, scale)
-        return np.concatenate([(turn * scale).T.ravel(), position]), scale
+    def _placed(self, geoms: Sequence[Any], source: Any) -> Array:
+        """World from object of each as twelve numbers, column by column. Keeps the scales along the objects' axes that are in it."""
+        if not geoms:
+            return np.empty((0, 12))
+        turns = np.array([geom.mat for geom in geoms], np.float64).reshape(-1, 3, 3)
+        positions = np.array([geom.pos for geom in geoms], np.float64)
+        scales = np.ones((len(geoms), 3))
+        for row, geom in enumerate(geoms):
+            if geom.type in (_FLEX, _SKIN):  # their vertices are in the world already
+                turns[row], positions[row] = np.eye(3), 0.0
+            elif geom.type == _G.mjGEOM_PLANE:
+                scales[row], positions[row] = self._plane(geom.size, geom.texrepeat, source.camera[0].pos, turns[row], positions[row])
+            elif geom.type == _G.mjGEOM_LINE:
+                thin = 0.001 * self.model.stat.meansize
+                scales[row] = thin, thin, geom.size[2]
+            elif geom.type in _UNIT:
+                scales[row] = geom.size
+        self._scales = np.where(np.abs(scales) < 1e-9, 1e-9, scales)
+        columns = (turns * self._scales[:, None, :]).swapaxes(1, 2).reshape(-1, 9)
+        return np.concatenate([columns, positions], 1)
 
     def _plane(self, sides: Any, texrepeat: Any, eye: Any, turn: Array,
                position: Array) -> Tuple[Array, Array]:
@@ -353,14 +367,14 @@ class Mirror:
             scale = 1.0 / size[[0, 0, 2]]
         elif geom.type == _G.mjGEOM_PLANE or (geom.type in _UNIT and geom.texuniform):
             scale = size
-        return "cube", tuple(np.round(scale, 6).tolist())
+        return "cube", tuple(np.round(scale, 6).tolist()), int(self.model.tex_width[geom.texid])
 
     def _mapped(self, shape: Shape, geom: Any, mapping: Hashable) -> Shape:
         positions, triangles, normals, uv = shape
         if mapping == "uv" and uv is None:
             uv = 0.5 + 0.5 * positions[:, :2] * [1, -1]
         if isinstance(mapping, tuple):
-            return _textures.onto_cube(shape, np.asarray(mapping[1]))
+            return _textures.onto_cube(shape, np.asarray(mapping[1]), mapping[2])
         return positions, triangles, normals, uv if mapping else None
 
     def _moving_mesh(self, geom: Any, source: Any) -> Optional[Hashable]:
@@ -404,9 +418,19 @@ class Mirror:
     # ---- materials ----
 
     def _material_of(self, geom: Any, is_behind: bool) -> Hashable:
+        """The key of its material, which is made where it is new."""
+        seen = (is_behind, geom.matid, geom.texid, geom.rgba.tobytes(), geom.emission, geom.specular, geom.shininess,
+                geom.reflectance, geom.type, geom.size.tobytes(), geom.texrepeat.tobytes(), geom.texuniform, geom.objtype, geom.objid,
+                self.is_in_sky, self.ambient.tobytes())
+        key = self._materials_seen.get(seen)
+        if key not in self._materials:
+            key = self._materials_seen[seen] = self._new_material_of(geom, is_behind)
+        return key
+
+    def _new_material_of(self, geom: Any, is_behind: bool) -> Hashable:
         key = (is_behind, int(geom.matid), int(geom.texid), tuple(np.round(geom.rgba, 6).tolist()), float(geom.emission),
                float(geom.specular), float(geom.shininess), float(geom.reflectance), self._texture_map(geom),
-               self._is_glass(geom))
+               self._is_glass(geom), self.is_in_sky, tuple(self.ambient.tolist()))
         if key not in self._materials:
             fields = self._fields(geom)
             if is_behind:
@@ -463,21 +487,28 @@ class Mirror:
         fields: Dict[str, Any] = {
             "base_color": (*color, float(geom.rgba[3])), "metallic": max(metallic, 0.0),
             "roughness": roughness if roughness >= 0 else from_shine,
-            "specular": float(np.clip(geom.specular, 0, 1)), "emissive": tuple(float(geom.emission) * color),
-            "alpha_mode": "blend" if geom.rgba[3] < 1 else "opaque",
-            "occlusion_texture": self._occlusion_texture(),
+            "specular": float(np.clip(geom.specular, 0, 1)), "alpha_mode": "blend" if geom.rgba[3] < 1 else "opaque",
+            **self._of_ambient(geom, color),
         }
         if geom.reflectance > 0:
-            mirrored = np.sqrt(min(float(geom.reflectance), 0.98))
-            fields.update(ior=(1 + mirrored) / (1 - mirrored), roughness=min(fields["roughness"], max(roughness, 0.0)),
-                          specular=1.0)
+            fields.update(self._of_mirror(geom, color), roughness=min(fields["roughness"], max(roughness, 0.0)))
         if geom.texid >= 0:
-            fields["base_color_texture"] = {"texture": self._texture(geom.texid), "texture_from_uv": self._texture_map(geom)}
+            place = {"texture": self._texture(geom.texid), "texture_from_uv": self._texture_map(geom)}
+            fields.update(base_color_texture=place, emissive_texture=place)
         glass = self.look.glass_of(self._names(geom)) if geom.rgba[3] < 1 else None
         if glass is not None:
             fields.update(self._of_glass(geom, color), **glass)
-            self._has_environment, self._has_glass = self._has_environment and self._has_glass, True
+            self._has_glass = True
         return fields
+
+    def _of_mirror(self, geom: Any, color: Array) -> Dict[str, Any]:
+        """MuJoCo adds what is mirrored, from all angles alike, and takes nothing away for it."""
+        share = min(float(geom.reflectance), 0.98)
+        if self.look.linear:
+            return {"ior": (1 + share ** 0.5) / (1 - share ** 0.5), "specular": 1.0}
+        # `specular` is what grazing angles mirror, and this much of an index of 1.5 makes it what is mirrored from above.
+        return {"ior": 1.5, "specular_color": (25.0, 25.0, 25.0), "specular": share, "metallic": 0.0,
+                "base_color": (*(color / (1.0 - share)), float(geom.rgba[3]))}
 
     def _of_glass(self, geom: Any, color: Array) -> Dict[str, Any]:
         """A solid that light of its colour passes through, over a length of its own size."""
@@ -487,7 +518,8 @@ class Mirror:
             reach = min(reach, _shapes.reach_inside(self._positions_of_mesh(geom)))
         return {"base_color": (1.0, 1.0, 1.0, 1.0), "alpha_mode": "opaque", "transmission": 1.0, "ior": 1.5,
                 "thickness": max(length, 1e-6), "roughness": 0.0, "metallic": 0.0, "specular": 1.0,
-                "attenuation_color": tuple(np.clip(color, 0.01, 1.0)), "attenuation_distance": max(reach, 1e-6)}
+                "attenuation_color": tuple(np.clip(color, 0.01, 1.0)), "attenuation_distance": max(reach, 1e-6),
+                "emissive": tuple(float(geom.emission) * color), "occlusion_texture": None}
 
     def _positions_of_mesh(self, geom: Any) -> Array:
         shape = self._shape(geom)
@@ -496,37 +528,40 @@ class Mirror:
     def _texture(self, number: int) -> int:
         key = int(number), self.look.linear
         if key not in self._textures:
-            texels = _textures.image(self.model, number)
-            if self.model.tex_type[number] != mujoco.mjtTexture.mjTEXTURE_2D:
-                faces = _textures.cube(self.model, number)
-                texels = faces.reshape(-1, *faces.shape[2:])
+            is_flat = self.model.tex_type[number] == mujoco.mjtTexture.mjTEXTURE_2D
+            texels = _textures.image(self.model, number) if is_flat else _textures.strip(_textures.cube(self.model, number))
             self._textures[key] = self.scene.add_texture(texels, srgb=self.look.linear)
         return self._textures[key]
 
     # ---- how much light comes from the sky ----
     # MuJoCo's sky is seen and lights nothing; here what surrounds a scene lights it. With linear colours that is wanted.
-    # Else the model's ambient light surrounds it, and the sky is put behind the picture; or, where glass must see the sky, a
-    # texture occludes it for everything else down to the ambient light, which dims reflections too.
+    # Else nothing surrounds it, the sky is put behind the picture, and everything emits the model's ambient light. Where glass must
+    # see the sky, a texture occludes it for everything else: wholly, and for what mirrors down to the ambient light.
 
     @property
     def is_in_sky(self) -> bool:
         """Whether the sky surrounds the scene, so that the picture has it already."""
         return self.sky is not None and (self.look.linear or self._has_glass)
 
-    def _ambient_share(self) -> float:
-        assert self.sky is not None
-        return float(np.clip(self.ambient.mean() / max(float(self.sky.mean()), 1e-6), 0.0, 1.0))
+    @property
+    def _around(self) -> Array:
+        """The ambient light that surrounds the scene, where the sky does not."""
+        return self.ambient if self.look.linear or self.look.surrounded else np.zeros(3)
 
-    def _occlusion_texture(self) -> Optional[int]:
-        if self.sky is None or self.look.linear:
-            return None
-        if self._occlusion is None:
-            self._occlusion = self.scene.add_texture(self._occluded(), srgb=False)
-        return self._occlusion
+    def _of_ambient(self, geom: Any, color: Array) -> Dict[str, Any]:
+        """What makes ambient light reach it as it reaches everything in MuJoCo."""
+        is_lit_around = self.look.linear or self.look.surrounded or (geom.reflectance > 0 and self.is_in_sky)
+        emitted = np.zeros(3) if is_lit_around else self.ambient
+        occlusion = None
+        if self.is_in_sky and not self.look.linear:
+            share = self.ambient.mean() / max(float(cast(Array, self.sky).mean()), 1e-6) if is_lit_around else 0.0
+            occlusion = self._occlusion(int(255 * min(share, 1.0) + 0.5))
+        return {"emissive": tuple((float(geom.emission) + emitted) * color), "occlusion_texture": occlusion}
 
-    def _occluded(self) -> Array:
-        share = self._ambient_share() if self._has_glass else 1.0
-        return np.full((1, 1, 3), int(share * 255 + 0.5), np.uint8)
+    def _occlusion(self, texel: int) -> int:
+        if texel not in self._occlusions:
+            self._occlusions[texel] = self.scene.add_texture(np.full((1, 1, 3), texel, np.uint8), srgb=False)
+        return self._occlusions[texel]
 
     def backdrop(self, shows_sky: bool) -> Backdrop:
         """What is put behind the picture, as with_backdrop() takes it: a colour, the faces of a sky, how often it is added, and
@@ -534,8 +569,8 @@ class Mirror:
         if self.is_in_sky:
             return np.zeros(3), self._sky_faces, 0.0 if shows_sky else -1.0, self.look.linear
         if self.sky is None or not shows_sky:
-            return -self.ambient, None, 0.0, False
-        return -self.ambient, self._sky_faces, 1.0, self.look.linear
+            return -self._around, None, 0.0, False
+        return -self._around, self._sky_faces, 1.0, self.look.linear
 
     def haze(self, source: Any, camera: Camera, size: Tuple[int, int]) -> Optional[Dict[str, Any]]:
         """What with_backdrop() takes of the haze around a plane without an end, but for `surfaces`; None where none is seen in a
@@ -613,6 +648,8 @@ class Mirror:
         if len(self._materials) > len(materials) + _KEPT:
             for key in [key for key in self._materials if key not in materials]:
                 self.scene.remove_material(self._materials.pop(key))
+        if len(self._materials_seen) > 16 * _KEPT:
+            self._materials_seen.clear()
 
     # ---- light ----
 
@@ -624,27 +661,24 @@ class Mirror:
         return self.look.color(_textures.sky(self._sky_faces)).astype(np.float32)
 
     def _set_lights(self, source: Any) -> None:
-        ambient = np.zeros(3)
         lights: List[Dict[str, Any]] = []
         for light in source.lights[:source.nlight]:
-            ambient += self.look.color(light.ambient)
             if np.any(light.dir):  # it has none before mj_forward()
                 lights.append(self._light(light, (light.pos, light.dir), source.camera[0].forward))
         if str(lights) != str(self._lights):
             self.scene.lights = lights
             self._lights = lights
-        if not np.array_equal(ambient, self.ambient) or not self._has_environment:
-            self._set_ambient(ambient)
 
-    def _set_ambient(self, ambient: Array) -> None:
-        self.ambient = ambient
+    def _set_surroundings(self) -> None:
+        around = self._around.astype(np.float32)
+        told = self.is_in_sky, tuple(around.tolist())
+        if told == self._surroundings:
+            return
+        self._surroundings = told
         if self.is_in_sky:
             self.scene.set_environment(self.sky)
         else:
-            self.scene.set_environment(np.broadcast_to(ambient.astype(np.float32), (2, 4, 3)))
-        if self._occlusion is not None:
-            self.scene.replace_texture(self._occlusion, self._occluded(), srgb=False)
-        self._has_environment = True
+            self.scene.set_environment(np.broadcast_to(around, (2, 4, 3)) if around.any() else None)
 
     def _light(self, light: Any, placed: Tuple[Any, Any], forward: Any) -> Dict[str, Any]:
         """placed: its position and direction. forward: of the camera, which the headlight shines along."""

@@ -12,6 +12,8 @@ from ._shapes import Shape
 # Of each face of OpenGL's cubes (+X, -X, +Y, -Y, +Z, -Z): its axis, its sign, and the axes with signs that s and t follow.
 _FACES = (((0, 1), (2, -1), (1, -1)), ((0, -1), (2, 1), (1, -1)), ((1, 1), (0, 1), (2, 1)),
           ((1, -1), (0, 1), (2, -1)), ((2, 1), (0, 1), (1, -1)), ((2, -1), (0, -1), (1, -1)))
+# How exactly triangles follow a cube, and at which expense.
+_TEXELS_OFF, _HALVINGS, _MOST_TRIANGLES = 0.25, 6, 100000
 
 
 def image(model: Any, number: int) -> Array:
@@ -84,11 +86,26 @@ def _bilinear(faces: Array, face: Array, place: Array) -> Array:
     return texels
 
 
-def onto_cube(shape: Shape, scale: Array) -> Shape:
-    """A shape with texture coordinates into the six faces of a cube, one below the other.
+def strip(faces: Array) -> Array:
+    """The faces of a cube as one image, one below the other. Each has a margin of its outermost texels, so that neither filters nor
+    the first mip levels mix it with the next."""
+    before, after = _margins(faces.shape[1])
+    padded = np.pad(faces, ((0, 0), (before, after), (before, after), (0, 0)), mode="edge")
+    return padded.reshape(-1, *padded.shape[2:])
 
-    scale: of the shape where it is looked up. Triangles are cut along the edges of the cube, and into smaller ones where
-    coordinates on a face are far from linear over them.
+
+def _margins(side: int) -> Tuple[int, int]:
+    """Texels before and after each row of a face in a strip: 8 at least, and faces begin on texels of the fifth mip level."""
+    margin = (side + 16 + 31) // 32 * 32 - side
+    return margin // 2, margin - margin // 2
+
+
+def onto_cube(shape: Shape, scale: Array, side: int) -> Shape:
+    """A shape with texture coordinates into strip() of a cube whose faces are `side` texels wide.
+
+    scale: of the shape where it is looked up. A look-up of a cube divides by the distance along a face's axis; triangles
+    interpolate without. So they are cut along the edges of the cube, and their own edges are halved until the difference is
+    a fraction of a texel. Neighbours halve the edge that they share.
     """
     positions, triangles, normals, _ = shape
     rows = triangles.ravel() if triangles is not None else np.arange(len(positions))
@@ -97,14 +114,15 @@ def onto_cube(shape: Shape, scale: Array) -> Shape:
     for one, other in ((0, 1), (0, 2), (1, 2)):
         for sign in (1.0, -1.0):
             corners = _cut(corners, corners[..., one] + sign * corners[..., other])
-    for _ in range(3):
-        is_bent = _is_bent(corners[..., :3])
-        if not is_bent.any() or len(corners) + 3 * is_bent.sum() > 100000:
+    for _ in range(_HALVINGS):
+        is_split = _errors(corners[..., :3]) * side > _TEXELS_OFF
+        if not is_split.any() or len(corners) + is_split.sum() > _MOST_TRIANGLES:
             break
-        corners = np.concatenate([corners[~is_bent], _quartered(corners[is_bent])])
-    face = np.repeat(faces_of(corners[..., :3].mean(1))[0], 3)
-    place = np.clip(on_face(corners[..., :3].reshape(-1, 3), face), 0, 1)
-    uv = np.stack([place[:, 0], (place[:, 1] + face) / 6], -1)
+        corners = _halved(corners, is_split)
+    face, place = _places(corners[..., :3])
+    before, after = _margins(side)
+    place = (before + np.clip(place.reshape(-1, 2), 0, 1) * side) / (before + side + after)
+    uv = np.stack([place[:, 0], (place[:, 1] + np.repeat(face, 3)) / 6], -1)
     flat = corners.reshape(-1, corners.shape[-1])
     return flat[:, 3:6], None, None if normals is None else flat[:, 6:9], uv
 
@@ -122,19 +140,34 @@ def _cut(corners: Array, side: Array) -> Array:
     a, b, c = cut[:, 0], cut[:, 1], cut[:, 2]
     p = a + (b - a) * (distance[:, 0] / (distance[:, 0] - distance[:, 1]))[:, None]
     q = a + (c - a) * (distance[:, 0] / (distance[:, 0] - distance[:, 2]))[:, None]
-    pieces = np.concatenate([np.stack(t, 1) for t in ((a, p, q), (p, b, c), (p, c, q))])
-    return np.concatenate([corners[~crosses], pieces])
+    # Where the plane meets a corner, the piece there has no area.
+    pieces = np.stack((a, p, q), 1), np.stack((p, b, c), 1)[distance[:, 1] != 0], np.stack((p, c, q), 1)[distance[:, 2] != 0]
+    return np.concatenate([corners[~crosses], *pieces])
 
 
-def _is_bent(looked: Array) -> Array:
-    """Whether the distance along the axis of its face differs much between a triangle's corners."""
-    axis = np.abs(looked.mean(1)).argmax(-1)
-    along = np.abs(np.take_along_axis(looked, axis[:, None, None], -1)[..., 0])
-    is_bent: Array = along.max(1) > 1.1 * along.min(1) + 1e-9
-    return is_bent
+def _places(looked: Array) -> Tuple[Array, Array]:
+    """The face of each triangle, (n,), and where on it its corners are, (n, 3, 2)."""
+    face = faces_of(looked.mean(1))[0]
+    return face, on_face(looked.reshape(-1, 3), np.repeat(face, 3)).reshape(-1, 3, 2)
 
 
-def _quartered(corners: Array) -> Array:
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+def _errors(looked: Array) -> Array:
+    """How far, in faces, the middle of each edge (n, 3), from each corner to the next, is from where interpolation has it."""
+    face, place = _places(looked)
+    middles = 0.5 * (looked + np.roll(looked, -1, 1))
+    exact = on_face(middles.reshape(-1, 3), np.repeat(face, 3)).reshape(-1, 3, 2)
+    errors: Array = np.abs(exact - 0.5 * (place + np.roll(place, -1, 1))).max(-1)
+    return errors
+
+
+def _halved(corners: Array, is_split: Array) -> Array:
+    """Triangles whose edges are halved where `is_split`, (n, 3) from each corner to the next, says so."""
+    count = is_split.sum(1)
+    # The only edge that is split, or that is not, comes first or last.
+    turn = np.where(count == 1, is_split.argmax(1), is_split.argmin(1) + 1)
+    a, b, c = (corners[np.arange(len(corners)), (turn + k) % 3] for k in range(3))
     ab, bc, ca = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
-    return np.concatenate([np.stack(t, 1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
+    ways = {0: [(a, b, c)], 1: [(a, ab, c), (ab, b, c)], 2: [(ab, b, bc), (a, ab, bc), (a, bc, c)],
+            3: [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]}
+    return np.concatenate([np.stack([corner[count == halves] for corner in piece], 1)
+                           for halves, pieces in ways.items() for piece in pieces])

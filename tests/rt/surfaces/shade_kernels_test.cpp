@@ -95,9 +95,11 @@ sideray_material_desc random_material(std::mt19937& random) {
   return m;
 }
 
-// Quads of many materials under one light of each type and a sky of noise; looked at from everywhere.
+enum class Sky { noise, uniform };
+
+// Quads of many materials under one light of each type and a sky; looked at from everywhere.
 struct Scenario {
-  explicit Scenario(size_t count) {
+  explicit Scenario(size_t count, Sky kind = Sky::noise) {
     std::mt19937 random(3);
     std::uniform_real_distribution<float> unit(-1.0f, 1.0f);
     TestScene scene;
@@ -113,6 +115,7 @@ struct Scenario {
     scene.lights(lights);
     std::vector<glm::vec3> sky(64 * 32);
     for (glm::vec3& t : sky) t = glm::abs(glm::vec3(unit(random), unit(random), unit(random)));
+    if (kind == Sky::uniform) std::ranges::fill(sky, sky[0]);
     scene.scene.set_environment(64, 32, &sky[0].x, 1.0f, 0.0f);
     shading = std::make_unique<ShadingScene>(scene.commit());
     for (size_t i = 0; i < count; ++i) {
@@ -263,8 +266,11 @@ TEST(ShadeKernels, gather_shadow_rays_of_all_points_that_gain) {
   }
 }
 
-TEST(ShadeKernels, look_the_environment_up_bit_for_bit) {
-  Scenario scenario(1);
+class SkyLookUps : public testing::TestWithParam<Sky> {};
+INSTANTIATE_TEST_SUITE_P(Skies, SkyLookUps, testing::Values(Sky::noise, Sky::uniform));
+
+TEST_P(SkyLookUps, are_those_of_single_hits_bit_for_bit) {
+  Scenario scenario(1, GetParam());
   const model::Environment& sky = *scenario.shading->snapshot->environment;
   std::mt19937 random(5);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
