@@ -10,6 +10,7 @@
  *   late_box      a box before the pane is drawn after the smoke
  *   stencil       what is drawn after the pane is drawn where the stencil says that the pane is
  *   solid         the pane's alpha is 1
+ *   hanging       an opaque box hangs between the sun and the pane
  *   water         a blended square lies above the floor, to the right
  *   object, eye, sphere   a textured box stands on the eye's side, its coordinates by glTexGen; with
  *   explicit      they are those of its vertices, and the same
@@ -291,6 +292,7 @@ static void draw_frame(GLuint box_list, GLuint checkers, int w, int h, int frame
   glCallList(box_list);
   glColor3f(0.2f, 0.8f, 0.2f);
   box(-0.3f, 0, -2, 0.8f);
+  if (has("hanging")) box(0.7f, 1.75f, 0.5f, 0.5f);
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   glDepthMask(GL_FALSE);

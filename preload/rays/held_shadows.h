@@ -1,0 +1,58 @@
+// The sun's shadows on draws that are held back. They lie before the depth from which the masks of what is opaque are traced,
+// so that their nearest surfaces have a depth and masks of their own. While such a draw is made, one more texture multiplies
+// what OpenGL has lit and textured by what the masks leave of it, before fog and blending.
+#pragma once
+
+#include <map>
+
+#include "preload/gl/depth_target.h"
+#include "preload/gl/saved_state.h"
+#include "preload/rays/answers.h"
+#include "preload/rays/shadows.h"
+#include "preload/rays/traced_scene.h"
+
+namespace sideray::run {
+
+// A draw that is held back, as it is made: of a display list, or of geometry.
+struct HeldDraw {
+  const SavedState* state = nullptr;
+  GLuint list = 0;
+  std::vector<const Geometry*> geometry;
+
+  // Its state is set.
+  void make() const;
+};
+
+class HeldShadows {
+ public:
+  // In the program's context. Throws sideray::Error where it lacks what the service needs.
+  explicit HeldShadows(const TracedScene& scene);
+  // For a context that is gone.
+  void abandon();
+
+  // Traces the shadows on `draws`, of which `receivers` are lit, and waits for them, or with settings().late for nothing. The
+  // scene is committed. Changes state.
+  void trace(const std::vector<HeldDraw>& draws, const Receivers& receivers, uint32_t batch, const Matrix& projection,
+             const std::array<GLint, 4>& viewport);
+  // Finds what is left of the light. `picture_depth`: of what is opaque, a texture. Changes state.
+  void light(const Receivers& receivers, int sun, uint32_t batch, const Matrix& projection, const std::array<GLint, 4>& viewport,
+             GLuint picture_depth);
+  // Between these two a held draw, whose state is set, is made in shadow. Nothing happens where it uses all texture units.
+  void begin(const SavedState& state);
+  void end(const SavedState& state);
+  // Draws white where the last draws were darkened.
+  void mark(const std::array<GLint, 4>& viewport) { shadows_.mark(viewport); }
+  uint64_t pixels() { return shadows_.pixels(); }
+  void advance() { service_.advance(); }
+
+ private:
+  void draw_depth(const std::vector<HeldDraw>& draws, const std::array<GLint, 4>& viewport);
+
+  Service service_;
+  Shadows shadows_;
+  DepthTarget target_;
+  std::map<uint32_t, Answers> answers_;  // of each batch of a frame
+  Matrix clip_to_texture_{};
+};
+
+}  // namespace sideray::run
