@@ -268,16 +268,20 @@ bool Frame::trace(const Batch& batch) {
   scene_->commit();
   if (!reflections_) reflections_ = std::make_unique<Reflections>(*scene_);
   reflections_->trace(batch);
-  const sideray_frame_stats& stats = reflections_->stats();
-  figures_.trace_ms += stats.trace_ms;
-  figures_.rays += stats.rays_reflection;
-  figures_.shadow_rays += stats.rays_shadow;
-  figures_.layers += stats.layers_found;
+  count(reflections_->stats());
+  if (!batch.shadowed.empty()) count(reflections_->held_shadows()->stats(batch.number));
   figures_.instances = scene_->instances();
   figures_.meshes = scene_->meshes();
   ++figures_.batches;
   write_scene();
   return true;
+}
+
+void Frame::count(const sideray_frame_stats& stats) {
+  figures_.trace_ms += stats.trace_ms;
+  figures_.rays += stats.rays_reflection;
+  figures_.shadow_rays += stats.rays_shadow;
+  figures_.layers += stats.layers_found;
 }
 
 void Frame::write_scene() {

@@ -112,6 +112,7 @@ class Frame {
   void trace_and_draw();
   bool try_to_trace(const Batch& batch);
   bool trace(const Batch& batch);
+  void count(const sideray_frame_stats& stats);
   void draw_held(Draws which, bool with_rays);
   void draw_both_ways();
   void draw_marks();

@@ -24,8 +24,8 @@ struct Answers {
   void take(Service& service, int32_t timeout_ms);
 };
 
-// World space is eye space.
-sideray_view view_of(const Matrix& projection);
+// Of a view whose world space is eye space; nothing is asked for yet, and all pixels count.
+FrameInputs frame_inputs(uint32_t view, const Matrix& projection, const std::array<GLint, 4>& viewport);
 // Of the sun alone, light 0 of the scene; `rounding`: how far off what OpenGL draws may be.
 sideray_mask_inputs sun_masks(float rounding);
 Service make_service(const Tracer& tracer);

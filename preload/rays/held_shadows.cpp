@@ -10,15 +10,21 @@ namespace {
 constexpr Matrix identity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 constexpr float least_alpha = 0.02f;  // of what hides something: less is a hole
 
-}  // namespace
-
-void HeldDraw::make() const {
-  if (list != 0) {
-    real().CallList(list);
-    return;
+// Where in a texture that reaches from the framebuffer's first pixel to the viewport's far corner a place of eye space is drawn.
+Matrix texture_from_eye(const Matrix& projection, const std::array<GLint, 4>& viewport) {
+  Matrix result{};
+  for (size_t column = 0; column < 4; ++column) {
+    const float* clip = &projection[4 * column];
+    for (size_t axis = 0; axis < 2; ++axis) {
+      const auto start = static_cast<float>(viewport[axis]), length = static_cast<float>(viewport[axis + 2]);
+      result[4 * column + axis] = (start * clip[3] + 0.5f * length * (clip[axis] + clip[3])) / (start + length);
+    }
+    result[4 * column + 3] = clip[3];
   }
-  for (const Geometry* piece : geometry) run::draw(*piece);
+  return result;
 }
+
+}  // namespace
 
 HeldShadows::HeldShadows(const TracedScene& scene) : service_(make_service(scene.tracer())) {}
 
@@ -30,13 +36,13 @@ void HeldShadows::abandon() {
 }
 
 // Where draws have their holes, what lies behind is the nearest.
-void HeldShadows::draw_depth(const std::vector<HeldDraw>& draws, const std::array<GLint, 4>& viewport) {
+void HeldShadows::draw_depth(const Batch& batch) {
   const Functions& gl = real();
-  target_.make(viewport);
+  target_.make(batch.viewport);
   target_.begin();
   gl.DepthMask(GL_TRUE);
   gl.Clear(GL_DEPTH_BUFFER_BIT);
-  for (const HeldDraw& draw : draws) {
+  for (const HeldDraw& draw : batch.shadowed) {
     draw.state->apply();
     for (const GLenum off : {GL_FOG, GL_BLEND, GL_STENCIL_TEST, GL_POLYGON_STIPPLE, GL_COLOR_LOGIC_OP, GL_POLYGON_OFFSET_FILL}) gl.Disable(off);
     gl.Enable(GL_DEPTH_TEST);
@@ -49,45 +55,27 @@ void HeldShadows::draw_depth(const std::vector<HeldDraw>& draws, const std::arra
   gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
 }
 
-void HeldShadows::trace(const std::vector<HeldDraw>& draws, const Receivers& receivers, uint32_t batch, const Matrix& projection,
-                        const std::array<GLint, 4>& viewport) {
-  Answers& answers = answers_[batch];
+void HeldShadows::trace(const Batch& batch) {
+  Answers& answers = answers_[batch.number];
   answers.take(service_, 0);
-  draw_depth(draws, viewport);
+  draw_depth(batch);
   if (!answers.ticket) {
-    FrameInputs inputs;
-    inputs.frame.view_id = batch;
-    inputs.frame.view = view_of(projection);
+    FrameInputs inputs = frame_inputs(batch.number, batch.projection, batch.viewport);
     inputs.frame.source.framebuffer = target_.framebuffer();
-    inputs.frame.source.x = viewport[0];
-    inputs.frame.source.y = viewport[1];
-    inputs.frame.source.width = viewport[2];
-    inputs.frame.source.height = viewport[3];
-    inputs.frame.source.mask = SIDERAY_MASK_NONE;
     inputs.layers.reset();
-    inputs.masks = sun_masks(receivers.rounding());
+    inputs.masks = sun_masks(batch.receivers->rounding());
     answers.submit(service_, inputs);
-    for (const Receiver& draw : receivers.held()) answers.receivers[draw.name] = draw.modelview;
+    for (const Receiver& draw : batch.receivers->held()) answers.receivers[draw.name] = draw.modelview;
   }
   if (!settings().late) answers.take(service_, -1);
 }
 
-void HeldShadows::light(const Receivers& receivers, int sun, uint32_t batch, const Matrix& projection,
-                        const std::array<GLint, 4>& viewport, GLuint picture_depth) {
-  shadows_.light({&receivers.held(), sun, &answers_[batch].shadowed, target_.depth(), picture_depth, projection, viewport}, service_, batch);
-  shadows_.count(viewport);
-  // Places in the framebuffer, as shares of the texture, times w.
-  const float size[2] = {static_cast<float>(viewport[0] + viewport[2]), static_cast<float>(viewport[1] + viewport[3])};
-  for (size_t column = 0; column < 4; ++column) {
-    const float* clip = &projection[4 * column];
-    float* place = &clip_to_texture_[4 * column];
-    for (size_t axis = 0; axis < 2; ++axis) {
-      const float start = static_cast<float>(viewport[axis]), half = 0.5f * static_cast<float>(viewport[axis + 2]);
-      place[axis] = ((start + half) * clip[3] + half * clip[axis]) / size[axis];
-    }
-    place[2] = 0;
-    place[3] = clip[3];
-  }
+void HeldShadows::light(const Batch& batch, GLuint picture_depth) {
+  shadows_.light({&batch.receivers->held(), batch.sun, &answers_[batch.number].shadowed, target_.depth(), picture_depth, batch.projection,
+                  batch.viewport},
+                 service_, batch.number);
+  shadows_.count(batch.viewport);
+  texture_from_eye_ = texture_from_eye(batch.projection, batch.viewport);
 }
 
 void HeldShadows::begin(const SavedState& state) {
@@ -96,7 +84,7 @@ void HeldShadows::begin(const SavedState& state) {
   const Functions& gl = real();
   gl.MatrixMode(GL_MODELVIEW);
   gl.LoadMatrixf(identity.data());
-  generate_coordinates(unit, GL_EYE_LINEAR, clip_to_texture_, 4);
+  generate_coordinates(unit, GL_EYE_LINEAR, texture_from_eye_, 4);
   gl.ActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
   gl.BindTexture(GL_TEXTURE_2D, shadows_.left());
   gl.Enable(GL_TEXTURE_2D);

@@ -6,22 +6,11 @@
 #include <map>
 
 #include "preload/gl/depth_target.h"
-#include "preload/gl/saved_state.h"
 #include "preload/rays/answers.h"
+#include "preload/rays/batch.h"
 #include "preload/rays/shadows.h"
-#include "preload/rays/traced_scene.h"
 
 namespace sideray::run {
-
-// A draw that is held back, as it is made: of a display list, or of geometry.
-struct HeldDraw {
-  const SavedState* state = nullptr;
-  GLuint list = 0;
-  std::vector<const Geometry*> geometry;
-
-  // Its state is set.
-  void make() const;
-};
 
 class HeldShadows {
  public:
@@ -30,29 +19,29 @@ class HeldShadows {
   // For a context that is gone.
   void abandon();
 
-  // Traces the shadows on `draws`, of which `receivers` are lit, and waits for them, or with settings().late for nothing. The
-  // scene is committed. Changes state.
-  void trace(const std::vector<HeldDraw>& draws, const Receivers& receivers, uint32_t batch, const Matrix& projection,
-             const std::array<GLint, 4>& viewport);
+  // Traces the shadows on what of the batch is held back, and waits for them, or with settings().late for nothing. The scene is
+  // committed. Changes state.
+  void trace(const Batch& batch);
   // Finds what is left of the light. `picture_depth`: of what is opaque, a texture. Changes state.
-  void light(const Receivers& receivers, int sun, uint32_t batch, const Matrix& projection, const std::array<GLint, 4>& viewport,
-             GLuint picture_depth);
+  void light(const Batch& batch, GLuint picture_depth);
   // Between these two a held draw, whose state is set, is made in shadow. Nothing happens where it uses all texture units.
   void begin(const SavedState& state);
   void end(const SavedState& state);
   // Draws white where the last draws were darkened.
   void mark(const std::array<GLint, 4>& viewport) { shadows_.mark(viewport); }
   uint64_t pixels() { return shadows_.pixels(); }
+  // Of the frame whose answers are drawn.
+  const sideray_frame_stats& stats(uint32_t batch) const { return answers_.at(batch).stats; }
   void advance() { service_.advance(); }
 
  private:
-  void draw_depth(const std::vector<HeldDraw>& draws, const std::array<GLint, 4>& viewport);
+  void draw_depth(const Batch& batch);
 
   Service service_;
   Shadows shadows_;
   DepthTarget target_;
   std::map<uint32_t, Answers> answers_;  // of each batch of a frame
-  Matrix clip_to_texture_{};
+  Matrix texture_from_eye_{};
 };
 
 }  // namespace sideray::run

@@ -12,7 +12,6 @@
 namespace sideray::run {
 namespace {
 
-
 constexpr const char* vertex_text = R"(#version 120
 uniform mat4 before;
 varying vec3 eye_position, position_before;
@@ -136,15 +135,8 @@ void Reflections::draw_mask(const Batch& batch) {
 }
 
 void Reflections::submit(const Batch& batch) {
-  const std::array<GLint, 4>& viewport = batch.viewport;
-  FrameInputs inputs;
-  inputs.frame.view_id = batch_;
-  inputs.frame.view = view_of(batch.projection);
+  FrameInputs inputs = frame_inputs(batch_, batch.projection, batch.viewport);
   inputs.frame.source.framebuffer = 0;
-  inputs.frame.source.x = viewport[0];
-  inputs.frame.source.y = viewport[1];
-  inputs.frame.source.width = viewport[2];
-  inputs.frame.source.height = viewport[3];
   inputs.frame.source.mask = SIDERAY_MASK_TEXTURE;
   inputs.frame.source.mask_texture = target_.marks();
   inputs.layers->float_ids = 1;
@@ -175,7 +167,7 @@ void Reflections::trace(const Batch& batch) {
   if (!settings().late) view.take(service_, -1);
   if (batch.shadowed.empty()) return;
   if (!held_shadows_) held_shadows_ = std::make_unique<HeldShadows>(scene_);
-  held_shadows_->trace(batch.shadowed, *batch.receivers, batch_, batch.projection, batch.viewport);
+  held_shadows_->trace(batch);
 }
 
 void Reflections::advance() {
@@ -191,8 +183,7 @@ void Reflections::draw_shadows(const Batch& batch) {
     shadows_->light(inputs, service_, batch_);
     shadows_->darken(inputs);
   }
-  if (!batch.shadowed.empty())
-    held_shadows_->light(*batch.receivers, batch.sun, batch_, batch.projection, batch.viewport, target_.depth());
+  if (!batch.shadowed.empty()) held_shadows_->light(batch, target_.depth());
 }
 
 void Reflections::mark_shadows(const std::array<GLint, 4>& viewport) {

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""Measures `sideray run` with programs as they are: run_programs.py SIDERAY [PROGRAM ...] [--frames 1000] [--modes off,waiting]
+"""Measures `sideray run` with programs as they are: run_programs.py SIDERAY [PROGRAM ...] [--frames 1000] [--modes off,waiting] [--size 800x600]
 
-Each program plays under an X server of its own (Xvfb, 800x600, software OpenGL) until it has drawn --frames frames, or for
---seconds. A line for each program and mode: frames, those with rays and with shadows, the share of the pixels, milliseconds a
+Each program plays in a window of --size under an X server of its own (Xvfb, software OpenGL) until it has drawn --frames
+frames, or for --seconds; the window of extremetuxracer is always 800x600. A line for each program and mode: frames, those with rays and with shadows, the share of the pixels, milliseconds a
 frame by the clock (median) and by the processor time of all threads, and memory at frames 100, 1000 and the end. The mode
 `pictures` compares every thirtieth frame with the program's own picture (tests/preload/outside.py).
 
@@ -36,11 +36,11 @@ class Program:
 
 PROGRAMS = {
     "bzflag": Program(
-        ["bzflag", "-solo", "4", "-team", "observer", "-window", "800x600+0+0", "-time", "16:30:00", "-nolist", "-mute", f"obs@127.0.0.1:{PORT}"],
+        ["bzflag", "-solo", "4", "-team", "observer", "-window", "{width}x{height}+0+0", "-time", "16:30:00", "-nolist", "-mute", f"obs@127.0.0.1:{PORT}"],
         "sun light 0\nwater guessed ior=1.33 reflectance=0.03\n",
         server=["bzfs", "-world", str(REPOSITORY / "examples/run/pools.bzw"), "-i", "127.0.0.1", "-p", PORT, "-j", "+r"]),
     "openarena": Program(
-        ["openarena", "+set", "r_fullscreen", "0", "+set", "r_mode", "4", "+set", "s_initsound", "0", "+set", "com_hunkMegs", "256",
+        ["openarena", "+set", "r_fullscreen", "0", "+set", "r_mode", "-1", "+set", "r_customwidth", "{width}", "+set", "r_customheight", "{height}", "+set", "s_initsound", "0", "+set", "com_hunkMegs", "256",
          "+set", "cl_renderer", "opengl1", "+set", "com_maxfps", "0", "+devmap", "islanddm", "+team", "spectator"],
         "water texture 2fc4b3b3a622bfe5 reflectance=0.05 ior=1.33\n"),
     "extremetuxracer": Program(
@@ -99,14 +99,14 @@ def seconds_of_processor(pid):
 class Run:
     """One program in one mode."""
 
-    def __init__(self, sideray, program, mode, folder):
+    def __init__(self, sideray, program, mode, size, folder):
         self.program, self.mode, self.folder = program, mode, folder
         (folder / "rules").write_text(program.rules)
         (folder / ".neverball").mkdir()
-        (folder / ".neverball/neverballrc").write_text("fullscreen 0\nwidth 800\nheight 600\n")
+        (folder / ".neverball/neverballrc").write_text("fullscreen 0\nwidth {}\nheight {}\n".format(*size))
         (folder / "pictures").mkdir()
         options = MODES[mode]
-        self.words = list(program.command)
+        self.words = [word.replace("{width}", size[0]).replace("{height}", size[1]) for word in program.command]
         if options is not None:
             self.words[:0] = [sideray, "run", "--report", "report.html", "--rules", "rules", *options, "--"]
 
@@ -145,10 +145,10 @@ class Run:
         return 1e3 * (last[1] - first[1]) / max(1, last[0] - first[0])
 
 
-def measure(sideray, name, mode, frames, seconds):
+def measure(sideray, name, mode, frames, seconds, size):
     with tempfile.TemporaryDirectory() as work:
         folder = pathlib.Path(work)
-        processor_ms = Run(sideray, PROGRAMS[name], mode, folder).play(frames, seconds)
+        processor_ms = Run(sideray, PROGRAMS[name], mode, size, folder).play(frames, seconds)
         if mode == "plain":
             times = counted_frames(folder)
             print(f"{name} plain: {len(times)} frames, {statistics.median(times):.1f} ms", flush=True)
@@ -169,11 +169,12 @@ def main():
     parser.add_argument("programs", nargs="*", choices=[[], *PROGRAMS], default=list(PROGRAMS))
     parser.add_argument("--frames", type=int, default=1000)
     parser.add_argument("--seconds", type=float, default=600, help="at most, of each run")
+    parser.add_argument("--size", default="800x600")
     parser.add_argument("--modes", default="plain,off,waiting,late,pictures")
     arguments = parser.parse_args()
     for name in arguments.programs or PROGRAMS:
         for mode in arguments.modes.split(","):
-            measure(arguments.sideray.resolve(), name, mode, arguments.frames, arguments.seconds)
+            measure(arguments.sideray.resolve(), name, mode, arguments.frames, arguments.seconds, arguments.size.split("x"))
 
 
 if __name__ == "__main__":
