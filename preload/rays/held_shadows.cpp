@@ -41,6 +41,7 @@ void HeldShadows::draw_depth(const Batch& batch) {
   target_.make(batch.viewport);
   target_.begin();
   gl.DepthMask(GL_TRUE);
+  gl.ClearDepth(1);
   gl.Clear(GL_DEPTH_BUFFER_BIT);
   for (const HeldDraw& draw : batch.shadowed) {
     draw.state->apply();

@@ -125,7 +125,7 @@ Shadows::Shadows()
   const Functions& gl = real();
   gl.GenFramebuffers(1, &framebuffer_);
   gl.ActiveTexture(GL_TEXTURE0);
-  lit_ = make_texture(), left_ = make_texture();
+  lit_ = make_texture(), left_ = make_texture(), nearest_ = make_texture();
   gl.GenQueries(1, &query_);
 }
 
@@ -134,7 +134,7 @@ Shadows::~Shadows() {
   const Functions& gl = real();
   gl.DeleteProgram(receivers_), gl.DeleteProgram(cover_);
   gl.DeleteFramebuffers(1, &framebuffer_);
-  gl.DeleteTextures(1, &lit_), gl.DeleteTextures(1, &left_);
+  for (const GLuint texture : {lit_, left_, nearest_}) gl.DeleteTextures(1, &texture);
   gl.DeleteQueries(1, &query_);
 }
 
@@ -151,6 +151,8 @@ void Shadows::make_textures(GLint width, GLint height) {
     gl.BindTexture(GL_TEXTURE_2D, texture);
     gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
   }
+  gl.BindTexture(GL_TEXTURE_2D, nearest_);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, width, height, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr);
 }
 
 void Shadows::set_receiver(const Receiver& draw, const ShadowInputs& inputs, Pass pass) {
@@ -172,8 +174,13 @@ void Shadows::set_receiver(const Receiver& draw, const ShadowInputs& inputs, Pas
 void Shadows::draw_receivers(const ShadowInputs& inputs, Pass pass) {
   const Functions& gl = real();
   gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, pass == Pass::lit ? lit_ : left_, 0);
+  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, nearest_, 0);
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthFunc(GL_LEQUAL);
+  gl.DepthMask(GL_TRUE);
   gl.ClearColor(1, 1, 1, 0);
-  gl.Clear(GL_COLOR_BUFFER_BIT);
+  gl.ClearDepth(1);
+  gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   gl.ActiveTexture(GL_TEXTURE2);
   gl.BindTexture(GL_TEXTURE_2D, inputs.picture_depth);
   gl.ActiveTexture(GL_TEXTURE1);

@@ -55,6 +55,7 @@ class Shadows {
 
   GLuint receivers_ = 0, cover_ = 0;  // programs
   GLuint framebuffer_ = 0, lit_ = 0, left_ = 0, query_ = 0;
+  GLuint nearest_ = 0;  // depth: behind what is thin, its far side is near enough to be taken for it
   GLint width_ = 0, height_ = 0;
   float fog_color_[3] = {};
   bool asked_ = false;

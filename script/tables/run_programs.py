@@ -155,12 +155,14 @@ def measure(sideray, name, mode, frames, seconds, size):
             return
         f = figures_of(folder / "report.html")
         print(f"{name} {mode}: {f['frames']:.0f} frames, {f['frames_with_rays']:.0f} with rays ({100 * f['mean_share_of_pixels']:.1f} %), "
-              f"{f['frames_with_shadows']:.0f} with shadows ({100 * f['mean_share_in_shadow']:.1f} %), {f['median_frame_ms']:.1f} ms, "
+              f"{f['frames_with_shadows']:.0f} with shadows ({100 * f['mean_share_in_shadow']:.1f} %, of what is held back "
+              f"{100 * f['mean_share_of_held_in_shadow']:.1f} %), {f['median_frame_ms']:.1f} ms, "
               f"{processor_ms:.0f} ms of processor time, {f['memory_mb_at_frame_100']:.0f}, {f['memory_mb_at_frame_1000']:.0f}, "
               f"{f['memory_mb']:.0f} MB, {f['meshes_kept']:.0f} meshes", flush=True)
         if mode == "pictures":
             outside = [sys.executable, "-B", REPOSITORY / "tests/preload/outside.py", sideray, folder / "pictures"]
-            print(subprocess.run(outside, stdout=subprocess.PIPE, text=True, check=True).stdout.strip().splitlines()[-1], flush=True)
+            lines = subprocess.run(outside, stdout=subprocess.PIPE, text=True, check=True).stdout.splitlines()
+            print(lines[-1] if lines else "no picture has rays", flush=True)
 
 
 def main():

@@ -280,6 +280,16 @@ class RunTest(unittest.TestCase):
         for a, b in zip(in_shadow, expected):
             self.assertAlmostEqual(a, b, delta=1.5)
 
+    def test_the_far_side_of_what_is_thin_darkens_nothing(self):
+        """What the sun does not light cannot be darker in shadow, though its back, which it lights, is a step of depth behind it."""
+        plain = self.plain("thin")
+        seen, _, _ = self.run_fixed("thin", options=self.rule("sun light 0"))
+        x, y = pixel_of(0, 3.4, -6)
+        self.assertGreater(plain.at(x, y)[0], plain.at(x, y)[2])
+        for dx in range(-12, 13):
+            for a, b in zip(seen.at(x + dx, y), plain.at(x + dx, y)):
+                self.assertAlmostEqual(a, b, delta=1)
+
     def test_shadows_fall_on_a_floor_that_mirrors(self):
         """It is held back, textured, and written into the depth of the picture."""
         mirror = self.floor_rule()
