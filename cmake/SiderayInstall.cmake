@@ -13,7 +13,9 @@ if(TARGET sideray-view)
 endif()
 install(DIRECTORY include/sideray DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp")
 # The snippet and the ready programs, to read and to copy; the library has them too.
-install(DIRECTORY shaders/host/ DESTINATION ${CMAKE_INSTALL_DATADIR}/sideray/glsl FILES_MATCHING PATTERN "*.glsl")
+install(DIRECTORY shaders/host/ DESTINATION ${CMAKE_INSTALL_DATADIR}/sideray/glsl FILES_MATCHING PATTERN "ready_*.glsl"
+  PATTERN snippet EXCLUDE)
+install(FILES ${CMAKE_BINARY_DIR}/shaders/sideray.glsl DESTINATION ${CMAKE_INSTALL_DATADIR}/sideray/glsl)
 # As they lie here, so that the links from one to the other hold.
 install(FILES LICENSE README.md CHANGELOG.md CONTRIBUTING.md SECURITY.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY docs examples DESTINATION ${CMAKE_INSTALL_DOCDIR} USE_SOURCE_PERMISSIONS

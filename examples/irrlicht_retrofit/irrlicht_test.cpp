@@ -120,12 +120,53 @@ TEST_F(Retrofitted, LateAnswersArriveAndSettle) {
   EXPECT_LT(apart(waited, late), 0.3);
 }
 
+// At rest it comes to the picture without a budget.
 TEST_F(Retrofitted, ABudgetLeavesNothingWithoutAnswersForLong) {
+  Picture whole;
+  {
+    sideray_irrlicht::Retrofit retrofit(room.device(), {});
+    whole = frame(retrofit);
+  }
   sideray_irrlicht::Settings settings;
   settings.budget_ms = 8;
   sideray_irrlicht::Retrofit retrofit(room.device(), settings);
-  for (int i = 0; i < 60; ++i) frame(retrofit);
+  Picture settled;
+  for (int i = 0; i < 60; ++i) settled = frame(retrofit);
   EXPECT_EQ(retrofit.stats().pixels_late, 0u);
+  EXPECT_LT(apart(whole, settled), 0.3);
+}
+
+// The engine is left-handed and its triangles are clockwise: turned around, it is lit as the engine lights it.
+TEST_F(Retrofitted, IsLeftHandedFromEverySide) {
+  room.show_smoke(false);
+  for (const float degrees : {0.0f, 140.0f, 250.0f}) {
+    room.turn_camera(degrees);
+    const Picture before = picture();
+    sideray_irrlicht::Settings settings = quiet();
+    settings.reflectance = 0;
+    sideray_irrlicht::Retrofit retrofit(room.device(), settings);
+    const Picture after = frame(retrofit);
+    EXPECT_GT(retrofit.stats().layers_found, 500u) << degrees;
+    EXPECT_LT(apart(before, after), 1.0) << degrees;
+  }
+}
+
+// The banner waves while answers come late and by pieces.
+TEST_F(Retrofitted, AnimationGoesOnLateAndUnderABudget) {
+  for (const float budget_ms : {0.0f, 8.0f}) {
+    sideray_irrlicht::Settings settings;
+    settings.wait = false, settings.budget_ms = budget_ms;
+    sideray_irrlicht::Retrofit retrofit(room.device(), settings);
+    Picture last;
+    for (unsigned i = 0; i < 40; ++i) {
+      room.set_time(30 * i);
+      last = frame(retrofit);
+    }
+    EXPECT_GT(retrofit.stats().layers_found, 0u) << "a piece of the picture at least";
+    room.set_time(0);
+    const Picture first = frame(retrofit);
+    EXPECT_GT(changed(first, last), 50u) << budget_ms;
+  }
 }
 
 TEST_F(Retrofitted, LeavesNoErrors) {

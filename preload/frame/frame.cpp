@@ -143,11 +143,14 @@ void Frame::add_pending() {
   else
     scene_->add_opaque(draw);
   if (pending_->decision.taking == Taking::opaque && rules_.sun() >= 0) {
-    if (!receivers_.add(pending_->state, pending_->geometry, draw.textures[0]->hash, pending_->decision.rule, rules_.sun()))
-      survey_.miss("draws that the sun lights from another place than others: no shadows fall on them");
-    scene_->set_sun(receivers_.sun());
+    note_shadows(receivers_.add(pending_->state, pending_->geometry, draw.textures[0]->hash, pending_->decision.rule, rules_.sun()));
   }
   pending_.reset();
+}
+
+void Frame::note_shadows(Receivers::Taken taken) {
+  if (taken == Receivers::Taken::other_sun) survey_.miss("draws that the sun lights from another place than others: no shadows fall on them");
+  scene_->set_sun(receivers_.sun());
 }
 
 // Its threads leave signals to those of the program.
@@ -184,7 +187,8 @@ void Frame::hold(std::vector<Piece> pieces, GLuint list, const float tint[4]) {
   held.in_turn = std::all_of(pieces.begin(), pieces.end(), [](const Piece& piece) { return piece.decision.in_turn; });
   held.pieces = std::move(pieces);
   holds_stencil_ = holds_stencil_ || (!held.in_turn && held.pieces.front().state.stencil_test);
-  for (const Piece& piece : held.pieces) {
+  for (Piece& piece : held.pieces) {
+    add_shadows(held, piece);
     if (piece.decision.taking == Taking::reflects)
       add_reflector(held, piece);
     else
@@ -206,6 +210,24 @@ void Frame::add_reflector(Held& held, const Piece& piece) {
   if (ids.bent != 0) held.bending.push_back(held.reflectors.back());
 }
 
+// What multiplies the picture shows the shadows that lie on it already.
+void Frame::add_shadows(Held& held, Piece& piece) {
+  const bool waits = piece.decision.taking == Taking::held || piece.decision.taking == Taking::reflects;
+  if (!waits || rules_.sun() < 0 || !piece.state.lighting || multiplies(piece.state) || piece.decision.rule.kind == Kind::ignore) return;
+  piece.state.lights = read_lighting();
+  const Receivers::Taken taken = receivers_.hold(piece.state, piece.geometry, textures_.find(piece.state.texture()).hash, rules_.sun());
+  note_shadows(taken);
+  if (taken != Receivers::Taken::receives) return;
+  held.in_shadow = held.state.free_unit() >= 0;
+  if (!held.in_shadow) survey_.miss("draws of four textures that are held back: no shadows fall on them");
+}
+
+HeldDraw Frame::Held::draw() const {
+  HeldDraw draw{&state, list, {}};
+  for (const Piece& piece : pieces) draw.geometry.push_back(piece.geometry.get());
+  return draw;
+}
+
 void Frame::pass_on_reflectors(Held& next) {
   Held& before = held_[held_.size() - 2];
   if (before.reflectors.empty() || next.in_turn || next.pieces.size() != 1 || before.pieces.size() != 1) return;
@@ -223,8 +245,10 @@ bool Frame::is_later_stage(const Piece& piece) const {
 Batch Frame::batch() const {
   Batch batch;
   batch.number = static_cast<uint32_t>(figures_.batches);
-  for (const Held& held : held_)
+  for (const Held& held : held_) {
     for (const Reflector& reflector : held.reflectors) batch.reflectors.push_back(reflector), batch.states.push_back(&held.state);
+    if (held.in_shadow) batch.shadowed.push_back(held.draw());
+  }
   batch.receivers = &receivers_;
   batch.sun = rules_.sun();
   batch.projection = projection_;
@@ -244,16 +268,20 @@ bool Frame::trace(const Batch& batch) {
   scene_->commit();
   if (!reflections_) reflections_ = std::make_unique<Reflections>(*scene_);
   reflections_->trace(batch);
-  const sideray_frame_stats& stats = reflections_->stats();
-  figures_.trace_ms += stats.trace_ms;
-  figures_.rays += stats.rays_reflection;
-  figures_.shadow_rays += stats.rays_shadow;
-  figures_.layers += stats.layers_found;
+  count(reflections_->stats());
+  if (!batch.shadowed.empty()) count(reflections_->held_shadows()->stats(batch.number));
   figures_.instances = scene_->instances();
   figures_.meshes = scene_->meshes();
   ++figures_.batches;
   write_scene();
   return true;
+}
+
+void Frame::count(const sideray_frame_stats& stats) {
+  figures_.trace_ms += stats.trace_ms;
+  figures_.rays += stats.rays_reflection;
+  figures_.shadow_rays += stats.rays_shadow;
+  figures_.layers += stats.layers_found;
 }
 
 void Frame::write_scene() {
@@ -265,7 +293,6 @@ void Frame::write_scene() {
 }
 
 void Frame::draw_held(Draws which, bool with_rays) {
-  const Functions& gl = real();
   for (const Held& held : held_) {
     if (which != Draws::all && (which == Draws::in_turn) != held.in_turn) continue;
     for (const Reflector& reflector : held.bending) {
@@ -274,10 +301,10 @@ void Frame::draw_held(Draws which, bool with_rays) {
       reflections_->draw_behind(reflector);
     }
     held.state.apply();
-    if (held.list != 0)
-      gl.CallList(held.list);
-    else
-      for (const Piece& piece : held.pieces) run::draw(*piece.geometry);
+    HeldShadows* shadows = with_rays && held.in_shadow ? reflections_->held_shadows() : nullptr;
+    if (shadows) shadows->begin(held.state);
+    held.draw().make();
+    if (shadows) shadows->end(held.state);
     if (!with_rays) continue;
     for (const Reflector& reflector : held.reflectors) reflections_->draw(reflector);
   }
@@ -372,7 +399,12 @@ void Frame::end() {
   flush();
   if (renderer_.empty()) renderer_ = reinterpret_cast<const char*>(real().GetString(GL_RENDERER));
   figures_.pixels = static_cast<uint64_t>(viewport_[2]) * static_cast<uint64_t>(viewport_[3]);
-  if (reflections_) figures_.reflecting = reflections_->fragments_answered(), figures_.in_shadow = reflections_->pixels_in_shadow(), reflections_->advance();
+  if (reflections_) {
+    figures_.reflecting = reflections_->fragments_answered();
+    figures_.in_shadow = reflections_->pixels_in_shadow();
+    figures_.held_in_shadow = reflections_->held_in_shadow();
+    reflections_->advance();
+  }
   const auto now = std::chrono::steady_clock::now();
   if (number_ > 0) figures_.frame_ms = std::chrono::duration<double, std::milli>(now - began_).count();
   began_ = now;

@@ -83,6 +83,9 @@ class Frame {
     SavedState state;
     std::vector<Reflector> reflectors, bending;  // drawn after it and before it
     bool in_turn = false;
+    bool in_shadow = false;  // shadows may fall on it
+
+    HeldDraw draw() const;
   };
   enum class Draws { all, in_turn, waiting };
   // Where a surface is drawn in several stages, what it reflects is drawn over the last.
@@ -104,9 +107,12 @@ class Frame {
   bool covers(const DrawState& state, const Geometry* geometry, bool& has_holes);
   void make_scene();
   void add_reflector(Held& held, const Piece& piece);
+  void add_shadows(Held& held, Piece& piece);
+  void note_shadows(Receivers::Taken taken);
   void trace_and_draw();
   bool try_to_trace(const Batch& batch);
   bool trace(const Batch& batch);
+  void count(const sideray_frame_stats& stats);
   void draw_held(Draws which, bool with_rays);
   void draw_both_ways();
   void draw_marks();

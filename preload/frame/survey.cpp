@@ -96,15 +96,16 @@ void Survey::end_frame(const Frame& frame) {
   total_.reflecting += frame.reflecting;
   total_.shadow_rays += frame.shadow_rays;
   if (frame.batches > 0) last_ = frame;
-  if (frame.pixels == 0 || frame.reflecting + frame.in_shadow == 0) return;
+  if (frame.pixels == 0 || frame.reflecting + frame.in_shadow + frame.held_in_shadow == 0) return;
   const auto pixels = static_cast<double>(frame.pixels);
   const double share = static_cast<double>(frame.reflecting) / pixels;
   if (frame.reflecting > 0) ++frames_with_rays_;
-  if (frame.in_shadow > 0) ++frames_with_shadows_;
+  if (frame.in_shadow + frame.held_in_shadow > 0) ++frames_with_shadows_;
   ++frames_traced_;
   share_ += share;
   most_share_ = std::max(most_share_, share);
   shadow_share_ += static_cast<double>(frame.in_shadow) / pixels;
+  held_shadow_share_ += static_cast<double>(frame.held_in_shadow) / pixels;
   trace_ms_ += frame.trace_ms;
 }
 
@@ -118,6 +119,7 @@ std::string Survey::figures() const {
       {"largest_share_of_pixels", text("%.4f", most_share_)},
       {"frames_with_shadows", std::to_string(frames_with_shadows_)},
       {"mean_share_in_shadow", text("%.4f", mean(shadow_share_, frames_with_shadows_))},
+      {"mean_share_of_held_in_shadow", text("%.4f", mean(held_shadow_share_, frames_with_shadows_))},
       {"shadow_rays", std::to_string(total_.shadow_rays)},
       {"layers_found", std::to_string(total_.layers)},
       {"reflection_rays", std::to_string(total_.rays)},

@@ -23,7 +23,8 @@ class Survey {
     std::set<std::string> taken;
   };
   struct Frame {
-    uint64_t pixels = 0, reflecting = 0, in_shadow = 0;  // of the view; fragments that show rays; pixels that shadows darken
+    uint64_t pixels = 0, reflecting = 0;             // of the view; fragments that show rays
+    uint64_t in_shadow = 0, held_in_shadow = 0;      // pixels that shadows darken: of what is opaque, of what is held back
     double trace_ms = 0, frame_ms = 0;  // 0 = not known
     size_t instances = 0, meshes = 0, held = 0, batches = 0;
     uint64_t rays = 0, shadow_rays = 0, layers = 0;
@@ -46,7 +47,7 @@ class Survey {
   std::string table(const std::map<uint64_t, Entry>& entries, bool with_pictures) const;
 
   uint64_t frame_ = 1, frames_with_rays_ = 0, frames_with_shadows_ = 0, frames_traced_ = 0;
-  double share_ = 0, most_share_ = 0, shadow_share_ = 0, trace_ms_ = 0;
+  double share_ = 0, most_share_ = 0, shadow_share_ = 0, held_shadow_share_ = 0, trace_ms_ = 0;
   std::vector<float> frame_ms_;
   double memory_mb_[2] = {};  // at frames 100 and 1000
   Frame last_, total_;

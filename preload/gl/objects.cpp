@@ -46,4 +46,23 @@ GLuint make_texture() {
   return texture;
 }
 
+void generate_coordinates(int unit, GLenum space, const std::array<GLfloat, 16>& matrix, GLenum rows) {
+  const Functions& gl = real();
+  gl.ActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+  for (GLenum row = 0; row < 4; ++row) {
+    if (row >= rows) {
+      gl.Disable(GL_TEXTURE_GEN_S + row);
+      continue;
+    }
+    const GLfloat plane[4] = {matrix[row], matrix[4 + row], matrix[8 + row], matrix[12 + row]};
+    gl.TexGeni(GL_S + row, GL_TEXTURE_GEN_MODE, static_cast<GLint>(space));
+    gl.TexGenfv(GL_S + row, space == GL_OBJECT_LINEAR ? GL_OBJECT_PLANE : GL_EYE_PLANE, plane);
+    gl.Enable(GL_TEXTURE_GEN_S + row);
+  }
+  constexpr GLfloat unchanged[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  gl.MatrixMode(GL_TEXTURE);
+  gl.LoadMatrixf(unchanged);
+  gl.ActiveTexture(GL_TEXTURE0);
+}
+
 }  // namespace sideray::run

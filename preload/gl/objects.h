@@ -1,6 +1,7 @@
 // Makes the library's OpenGL objects in the program's context.
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "preload/gl/functions.h"
@@ -12,6 +13,10 @@ GLuint make_program(const std::string& vertex, const std::string& fragment, cons
 
 // Makes a texture without filtering and binds it to the active unit.
 GLuint make_texture();
+
+// Lets OpenGL generate texture coordinates of a unit: the first `rows` rows of the matrix times positions in `space`,
+// GL_OBJECT_LINEAR or GL_EYE_LINEAR. For GL_EYE_LINEAR, MODELVIEW must be the identity. Leaves the first unit active.
+void generate_coordinates(int unit, GLenum space, const std::array<GLfloat, 16>& matrix, GLenum rows);
 
 // The first unit for the service's textures, behind those whose state is kept.
 constexpr GLenum service_unit = kept_units;

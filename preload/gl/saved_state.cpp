@@ -156,8 +156,7 @@ void SavedState::apply() const {
     if (planes_[i]) gl.ClipPlane(GL_CLIP_PLANE0 + i, plane_[i]);
   }
   apply_units();
-  load_matrix(GL_PROJECTION, projection_);
-  load_matrix(GL_MODELVIEW, modelview_);
+  apply_view();
   for (size_t i = 0; i < switches.size(); ++i) set(switches[i], enabled_[i]);
   gl.AlphaFunc(as_enum(alpha_func_), alpha_reference_);
   gl.BlendFuncSeparate(as_enum(blend_[0]), as_enum(blend_[1]), as_enum(blend_[2]), as_enum(blend_[3]));
@@ -214,7 +213,18 @@ void SavedState::apply_units() const {
       if (unit.generation_mode[c] == GL_EYE_LINEAR) gl.TexGenfv(coordinate[c], GL_EYE_PLANE, unit.eye_plane[c]);
     }
   }
-  gl.ActiveTexture(as_enum(active_unit_));
+}
+
+void SavedState::apply_view() const {
+  load_matrix(GL_PROJECTION, projection_);
+  load_matrix(GL_MODELVIEW, modelview_);
+  real().ActiveTexture(as_enum(active_unit_));
+}
+
+int SavedState::free_unit() const {
+  int behind = texture_units();
+  while (behind > 0 && !units_[behind - 1].texture_2d && !units_[behind - 1].texture_cube) --behind;
+  return behind < texture_units() ? behind : -1;
 }
 
 void SavedState::apply_lighting() const {

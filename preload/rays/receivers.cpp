@@ -22,25 +22,25 @@ bool is_same_place(const FixedLight& a, const FixedLight& b) {
 }  // namespace
 
 void Receivers::begin_frame() {
-  draws_.clear();
+  clear();
   sun_.reset();
   farthest_origin_ = 0;
   names_.begin_frame();
 }
 
-bool Receivers::add(const DrawState& state, std::shared_ptr<const Geometry> geometry, uint64_t texture, const Rule& rule, int sun) {
-  if (!may_receive(state) || !geometry->is_surface()) return true;
+Receiver Receivers::lit(const DrawState& state, int sun, Taken& taken) {
   Receiver draw;
-  const bool by_rule = rule.kind == Kind::opaque && rule.shade >= 0;
+  taken = Taken::nothing;
   const FixedLight* light = state.lighting && !state.shows_texture_alone() ? light_of(state.lights.get(), sun) : nullptr;
-  if (light && !sun_) sun_ = *light;
-  if (by_rule) {
-    draw.shade = rule.shade;
-  } else {
-    if (!light) return true;
-    if (!is_same_place(*light, *sun_)) return false;
-    draw.lights = state.lights;
-  }
+  if (!light) return draw;
+  if (!sun_) sun_ = *light;
+  taken = is_same_place(*light, *sun_) ? Taken::receives : Taken::other_sun;
+  if (taken == Taken::receives) draw.lights = state.lights;
+  return draw;
+}
+
+void Receivers::keep(std::vector<Receiver>& list, Receiver draw, const DrawState& state, std::shared_ptr<const Geometry> geometry,
+                     uint64_t texture) {
   draw.modelview = state.modelview;
   farthest_origin_ = std::max(farthest_origin_, std::hypot(state.modelview[12], state.modelview[13], state.modelview[14]));
   draw.material = state.material;
@@ -48,8 +48,25 @@ bool Receivers::add(const DrawState& state, std::shared_ptr<const Geometry> geom
   draw.colored = state.color_material;
   draw.name = names_.name(hash_of(*geometry, {false, false, 0}), texture);
   draw.geometry = std::move(geometry);
-  draws_.push_back(std::move(draw));
-  return true;
+  list.push_back(std::move(draw));
+}
+
+Receivers::Taken Receivers::add(const DrawState& state, std::shared_ptr<const Geometry> geometry, uint64_t texture, const Rule& rule,
+                                int sun) {
+  if (!may_receive(state) || !geometry->is_surface()) return Taken::nothing;
+  Taken taken;
+  Receiver draw = lit(state, sun, taken);
+  if (rule.kind == Kind::opaque && rule.shade >= 0) draw.lights.reset(), draw.shade = rule.shade, taken = Taken::receives;
+  if (taken == Taken::receives) keep(draws_, std::move(draw), state, std::move(geometry), texture);
+  return taken;
+}
+
+Receivers::Taken Receivers::hold(const DrawState& state, std::shared_ptr<const Geometry> geometry, uint64_t texture, int sun) {
+  if (!has_place(state) || !geometry->is_surface()) return Taken::nothing;
+  Taken taken;
+  Receiver draw = lit(state, sun, taken);
+  if (taken == Taken::receives) keep(held_, std::move(draw), state, std::move(geometry), texture);
+  return taken;
 }
 
 }  // namespace sideray::run

@@ -12,7 +12,6 @@
 namespace sideray::run {
 namespace {
 
-
 constexpr const char* vertex_text = R"(#version 120
 uniform mat4 before;
 varying vec3 eye_position, position_before;
@@ -58,56 +57,6 @@ void main() {
 }
 )";
 
-void* get_proc_address(void*, const char* name) {
-  return real_symbol(name);
-}
-
-Service make_service(const TracedScene& scene) {
-  const sideray_host_gl host = {sizeof(host), get_proc_address, nullptr};
-  return Service::create(scene.tracer(), host).value();
-}
-
-[[noreturn]] void refuse(const std::string& what) {
-  throw Error(SIDERAY_UNSUPPORTED, what);
-}
-
-std::array<double, 16> inverse(const Matrix& matrix) {
-  std::array<double, 32> rows{};
-  for (size_t row = 0; row < 4; ++row)
-    for (size_t column = 0; column < 4; ++column) {
-      rows[8 * row + column] = static_cast<double>(matrix[4 * column + row]);
-      rows[8 * row + 4 + column] = row == column ? 1 : 0;
-    }
-  for (size_t pivot = 0; pivot < 4; ++pivot) {
-    size_t best = pivot;
-    for (size_t row = pivot; row < 4; ++row)
-      if (std::abs(rows[8 * row + pivot]) > std::abs(rows[8 * best + pivot])) best = row;
-    for (size_t column = 0; column < 8; ++column) std::swap(rows[8 * pivot + column], rows[8 * best + column]);
-    const double scale = 1 / rows[8 * pivot + pivot];
-    for (size_t column = 0; column < 8; ++column) rows[8 * pivot + column] *= scale;
-    for (size_t row = 0; row < 4; ++row) {
-      if (row == pivot) continue;
-      const double factor = rows[8 * row + pivot];
-      for (size_t column = 0; column < 8; ++column) rows[8 * row + column] -= factor * rows[8 * pivot + column];
-    }
-  }
-  std::array<double, 16> result{};
-  for (size_t row = 0; row < 4; ++row)
-    for (size_t column = 0; column < 4; ++column) result[4 * column + row] = rows[8 * row + 4 + column];
-  return result;
-}
-
-// World space is eye space.
-sideray_view view_of(const Matrix& projection) {
-  sideray_view view{};
-  const std::array<double, 16> inverted = inverse(projection);
-  for (size_t i = 0; i < 16; ++i) {
-    view.clip_from_world[i] = static_cast<double>(projection[i]);
-    view.world_from_clip[i] = inverted[i];
-  }
-  return view;
-}
-
 void load_matrices(const Matrix& projection, const Matrix& modelview) {
   const Functions& gl = real();
   gl.MatrixMode(GL_PROJECTION);
@@ -129,7 +78,8 @@ void test_depth() {
 }  // namespace
 
 Reflections::Reflections(const TracedScene& scene)
-    : service_(make_service(scene)),
+    : scene_(scene),
+      service_(make_service(scene.tracer())),
       program_(make_program(vertex_text, std::string("#version 120\n") + sideray_glsl(120) + fragment_text, "reflections")) {
   const Functions& gl = real();
   surface_location_ = gl.GetUniformLocation(program_, "surface");
@@ -143,50 +93,22 @@ Reflections::Reflections(const TracedScene& scene)
 Reflections::~Reflections() {
   const Functions& gl = real();
   if (program_ != 0) gl.DeleteProgram(program_);
-  if (framebuffer_ != 0) gl.DeleteFramebuffers(1, &framebuffer_);
-  for (const GLuint texture : {depth_, mask_})
-    if (texture != 0) gl.DeleteTextures(1, &texture);
   if (!queries_.empty()) gl.DeleteQueries(static_cast<GLsizei>(queries_.size()), queries_.data());
 }
 
 void Reflections::abandon() {
   service_.abandon_context();
+  target_.abandon();
   if (shadows_) shadows_->abandon();
-  program_ = framebuffer_ = depth_ = mask_ = 0;
+  if (held_shadows_) held_shadows_->abandon();
+  program_ = 0;
   queries_.clear();
   views_.clear();
 }
 
-void Reflections::make_target(GLint width, GLint height) {
-  const Functions& gl = real();
-  if (framebuffer_ == 0) gl.GenFramebuffers(1, &framebuffer_), depth_ = make_texture(), mask_ = make_texture();
-  if (width == width_ && height == height_) return;
-  width_ = width, height_ = height;
-  gl.BindTexture(GL_TEXTURE_2D, mask_);
-  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_R8, width, height, 0, GL_RED, GL_UNSIGNED_BYTE, nullptr);
-  gl.BindTexture(GL_TEXTURE_2D, depth_);
-  gl.CopyTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, 0, 0, width, height, 0);
-}
-
-void Reflections::copy_depth(const std::array<GLint, 4>& viewport) {
-  const Functions& gl = real();
-  gl.ActiveTexture(GL_TEXTURE0);
-  if (gl.BindBuffer) gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
-  make_target(viewport[0] + viewport[2], viewport[1] + viewport[3]);
-  gl.BindTexture(GL_TEXTURE_2D, depth_);
-  gl.CopyTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, 0, 0, width_, height_);
-}
-
 void Reflections::draw_mask(const Batch& batch) {
   const Functions& gl = real();
-  gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
-  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, mask_, 0);
-  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth_, 0);
-  if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) refuse("the driver cannot draw into a mask beside a depth texture");
-  gl.Disable(GL_SCISSOR_TEST);
-  gl.ColorMask(1, 1, 1, 1);
-  gl.ClearColor(0, 0, 0, 0);
-  gl.Clear(GL_COLOR_BUFFER_BIT);
+  target_.begin();
   for (size_t i = 0; i < batch.reflectors.size(); ++i) {
     batch.states[i]->apply();
     for (const GLenum off : {GL_LIGHTING, GL_FOG, GL_BLEND, GL_ALPHA_TEST, GL_STENCIL_TEST, GL_POLYGON_STIPPLE, GL_COLOR_LOGIC_OP}) gl.Disable(off);
@@ -213,70 +135,60 @@ void Reflections::draw_mask(const Batch& batch) {
 }
 
 void Reflections::submit(const Batch& batch) {
-  const std::array<GLint, 4>& viewport = batch.viewport;
-  FrameInputs inputs;
-  inputs.frame.view_id = batch_;
-  inputs.frame.view = view_of(batch.projection);
+  FrameInputs inputs = frame_inputs(batch_, batch.projection, batch.viewport);
   inputs.frame.source.framebuffer = 0;
-  inputs.frame.source.x = viewport[0];
-  inputs.frame.source.y = viewport[1];
-  inputs.frame.source.width = viewport[2];
-  inputs.frame.source.height = viewport[3];
   inputs.frame.source.mask = SIDERAY_MASK_TEXTURE;
-  inputs.frame.source.mask_texture = mask_;
+  inputs.frame.source.mask_texture = target_.marks();
   inputs.layers->float_ids = 1;
   const bool bends = std::any_of(batch.reflectors.begin(), batch.reflectors.end(), [](const Reflector& reflector) { return reflector.ids.bent != 0; });
   inputs.layers->refraction = bends;
   inputs.layers->max_layers = bends ? 6 : 4;  // what bends light has two
   if (batch.reflectors.empty()) inputs.layers.reset();
   inputs.frame.shadows = batch.has_shadows();
-  if (batch.has_shadows()) {
-    inputs.masks = sideray_mask_inputs_defaults();
-    inputs.masks->shadow_lights = 1;
-    inputs.masks->denoise = 0;
-    inputs.masks->moving = settings().late;
-    inputs.masks->shadow_bias = batch.receivers->rounding();
-    inputs.masks->shadow_bias_steps = 4;  // large polygons: what OpenGL interpolates is coarser than a step
-  }
-  View& view = views_[batch_];
-  view.ticket = service_.submit(inputs);
-  view.places.clear();
-  view.receivers.clear();
+  if (batch.has_shadows()) inputs.masks = sun_masks(batch.receivers->rounding());
+  Answers& view = views_[batch_];
+  view.submit(service_, inputs);
   for (const Reflector& reflector : batch.reflectors)
-    for (const uint32_t id : {reflector.ids.mirror, reflector.ids.bent}) view.places[id] = reflector.modelview;
+    for (const uint32_t id : {reflector.ids.mirror, reflector.ids.bent}) view.surfaces[id] = reflector.modelview;
   for (const Receiver& draw : batch.receivers->draws()) view.receivers[draw.name] = draw.modelview;
-}
-
-void Reflections::take_answers(int32_t timeout_ms) {
-  View& view = views_[batch_];
-  if (!view.ticket || !service_.wait(*view.ticket, timeout_ms)) return;
-  view.stats = service_.stats(*view.ticket);
-  view.ticket.reset();
-  view.answered = std::move(view.places);
-  view.shadowed = std::move(view.receivers);
 }
 
 void Reflections::trace(const Batch& batch) {
   batch_ = batch.number;
-  take_answers(0);
-  const bool is_free = !views_[batch_].ticket;
-  if (is_free || batch.has_shadows()) copy_depth(batch.viewport);
+  Answers& view = views_[batch_];
+  view.take(service_, 0);
+  const bool is_free = !view.ticket && (!batch.reflectors.empty() || batch.has_shadows());
+  if (is_free || batch.has_shadows() || !batch.shadowed.empty()) target_.make(batch.viewport), target_.copy_depth();
   // Where rays take longer than a frame, frames in between are not traced.
   if (is_free) {
     draw_mask(batch);
     submit(batch);
   }
-  if (!settings().late) take_answers(-1);
+  if (!settings().late) view.take(service_, -1);
+  if (batch.shadowed.empty()) return;
+  if (!held_shadows_) held_shadows_ = std::make_unique<HeldShadows>(scene_);
+  held_shadows_->trace(batch);
+}
+
+void Reflections::advance() {
+  service_.advance();
+  if (held_shadows_) held_shadows_->advance();
 }
 
 void Reflections::draw_shadows(const Batch& batch) {
-  if (!batch.has_shadows()) return;
-  if (!shadows_) shadows_ = std::make_unique<Shadows>();
-  shadows_->draw({&batch.receivers->draws(), batch.sun, &view().shadowed, depth_, batch.projection, batch.viewport}, service_, batch_);
+  if (batch.has_shadows()) {
+    if (!shadows_) shadows_ = std::make_unique<Shadows>();
+    const ShadowInputs inputs = {&batch.receivers->draws(), batch.sun,        &view().shadowed, target_.depth(),
+                                 target_.depth(),           batch.projection, batch.viewport};
+    shadows_->light(inputs, service_, batch_);
+    shadows_->darken(inputs);
+  }
+  if (!batch.shadowed.empty()) held_shadows_->light(batch, target_.depth());
 }
 
 void Reflections::mark_shadows(const std::array<GLint, 4>& viewport) {
   if (shadows_) shadows_->mark(viewport);
+  if (held_shadows_) held_shadows_->mark(viewport);
 }
 
 void Reflections::draw(const Reflector& reflector, Shown shown) {

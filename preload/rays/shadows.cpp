@@ -9,12 +9,11 @@
 namespace sideray::run {
 namespace {
 
-constexpr GLenum positions_unit = 7;   // whose generated coordinates are places in the frame of the masks
-constexpr int multiplies = 0, adds_fog = 1, marks = 2;  // what cover() does
+constexpr int positions_unit = 7;  // whose generated coordinates are places in the frame of the masks
 
 // First what OpenGL has lit, then which share of it is left: of what the sun lit as much as the masks say.
 constexpr const char* receivers_text = R"(
-uniform sampler2D depth, lit;
+uniform sampler2D depth, picture_depth, lit;
 uniform vec2 size;
 uniform float shade;  // below 0: gl_Color is what is left where the sun is hidden
 uniform float is_first, late;
@@ -35,6 +34,7 @@ void main() {
   float slope = fwidth(z);
   vec2 place = gl_FragCoord.xy / size;
   if (abs(texture2D(depth, place).x - z) > slope + 2.4e-7) discard;  // 2^-22
+  if (z - texture2D(picture_depth, place).x > slope + 2.4e-7) discard;
   vec3 color = shade < 0.0 ? gl_Color.rgb : vec3(is_first > 0.5 ? 1.0 : shade);
   vec3 all = texture2D(lit, place).rgb;
   vec3 left = mix(color, all, sun) / max(all, vec3(0.00392));
@@ -97,23 +97,6 @@ void set_material(const DrawMaterial& material, bool colored) {
   gl.Enable(GL_COLOR_MATERIAL);
 }
 
-// The positions of vertices by `matrix`, as coordinates of a unit.
-void generate_positions(const Matrix& matrix) {
-  const Functions& gl = real();
-  gl.ActiveTexture(GL_TEXTURE0 + positions_unit);
-  for (size_t row = 0; row < 3; ++row) {
-    const GLfloat plane[4] = {matrix[row], matrix[4 + row], matrix[8 + row], matrix[12 + row]};
-    const auto coordinate = static_cast<GLenum>(row);
-    gl.TexGeni(GL_S + coordinate, GL_TEXTURE_GEN_MODE, GL_OBJECT_LINEAR);
-    gl.TexGenfv(GL_S + coordinate, GL_OBJECT_PLANE, plane);
-    gl.Enable(GL_TEXTURE_GEN_S + coordinate);
-  }
-  gl.Disable(GL_TEXTURE_GEN_Q);
-  gl.MatrixMode(GL_TEXTURE);
-  gl.LoadMatrixf(identity.data());
-  gl.ActiveTexture(GL_TEXTURE0);
-}
-
 void switch_off_tests() {
   const Functions& gl = real();
   for (const GLenum off : {GL_FOG, GL_BLEND, GL_ALPHA_TEST, GL_STENCIL_TEST, GL_DEPTH_TEST, GL_SCISSOR_TEST, GL_POLYGON_STIPPLE, GL_COLOR_LOGIC_OP,
@@ -142,7 +125,7 @@ Shadows::Shadows()
   const Functions& gl = real();
   gl.GenFramebuffers(1, &framebuffer_);
   gl.ActiveTexture(GL_TEXTURE0);
-  lit_ = make_texture(), left_ = make_texture();
+  lit_ = make_texture(), left_ = make_texture(), nearest_ = make_texture();
   gl.GenQueries(1, &query_);
 }
 
@@ -151,7 +134,7 @@ Shadows::~Shadows() {
   const Functions& gl = real();
   gl.DeleteProgram(receivers_), gl.DeleteProgram(cover_);
   gl.DeleteFramebuffers(1, &framebuffer_);
-  gl.DeleteTextures(1, &lit_), gl.DeleteTextures(1, &left_);
+  for (const GLuint texture : {lit_, left_, nearest_}) gl.DeleteTextures(1, &texture);
   gl.DeleteQueries(1, &query_);
 }
 
@@ -168,13 +151,15 @@ void Shadows::make_textures(GLint width, GLint height) {
     gl.BindTexture(GL_TEXTURE_2D, texture);
     gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
   }
+  gl.BindTexture(GL_TEXTURE_2D, nearest_);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, width, height, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr);
 }
 
 void Shadows::set_receiver(const Receiver& draw, const ShadowInputs& inputs, Pass pass) {
   const Functions& gl = real();
   if (draw.lights) set_material(draw.material, draw.colored), gl.Enable(GL_LIGHTING);
   const auto before = inputs.before->find(draw.name);
-  generate_positions(before != inputs.before->end() ? before->second : draw.modelview);
+  generate_coordinates(positions_unit, GL_OBJECT_LINEAR, before != inputs.before->end() ? before->second : draw.modelview, 3);
   gl.MatrixMode(GL_MODELVIEW);
   gl.LoadMatrixf(draw.modelview.data());
   set(receivers_, "shade", draw.lights ? -1.0f : draw.shade);
@@ -189,8 +174,15 @@ void Shadows::set_receiver(const Receiver& draw, const ShadowInputs& inputs, Pas
 void Shadows::draw_receivers(const ShadowInputs& inputs, Pass pass) {
   const Functions& gl = real();
   gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, pass == Pass::lit ? lit_ : left_, 0);
+  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, nearest_, 0);
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthFunc(GL_LEQUAL);
+  gl.DepthMask(GL_TRUE);
   gl.ClearColor(1, 1, 1, 0);
-  gl.Clear(GL_COLOR_BUFFER_BIT);
+  gl.ClearDepth(1);
+  gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  gl.ActiveTexture(GL_TEXTURE2);
+  gl.BindTexture(GL_TEXTURE_2D, inputs.picture_depth);
   gl.ActiveTexture(GL_TEXTURE1);
   gl.BindTexture(GL_TEXTURE_2D, pass == Pass::lit ? 0 : lit_);
   gl.ActiveTexture(GL_TEXTURE0);
@@ -204,7 +196,7 @@ void Shadows::draw_receivers(const ShadowInputs& inputs, Pass pass) {
   }
 }
 
-void Shadows::draw(const ShadowInputs& inputs, Service& service, uint32_t view) {
+void Shadows::light(const ShadowInputs& inputs, Service& service, uint32_t view) {
   const Functions& gl = real();
   if (gl.BindBuffer) gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
   const std::array<GLint, 4>& viewport = inputs.viewport;
@@ -221,28 +213,41 @@ void Shadows::draw(const ShadowInputs& inputs, Service& service, uint32_t view) 
   gl.LoadMatrixf(inputs.projection.data());
   gl.Uniform1i(gl.GetUniformLocation(receivers_, "depth"), 0);
   gl.Uniform1i(gl.GetUniformLocation(receivers_, "lit"), 1);
+  gl.Uniform1i(gl.GetUniformLocation(receivers_, "picture_depth"), 2);
   gl.Uniform2f(gl.GetUniformLocation(receivers_, "size"), static_cast<float>(width_), static_cast<float>(height_));
   set(receivers_, "late", settings().late ? 1.0f : 0.0f);
   gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   draw_receivers(inputs, Pass::lit);
   draw_receivers(inputs, Pass::left);
   gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
-  gl.BeginQuery(GL_SAMPLES_PASSED, query_);
-  cover(viewport, multiplies);
-  gl.EndQuery(GL_SAMPLES_PASSED);
-  asked_ = true;
-  const bool fog = std::any_of(inputs.draws->begin(), inputs.draws->end(), [](const Receiver& draw) { return draw.fog.on; });
-  if (fog) cover(viewport, adds_fog);
 }
 
 // Fog lies over shadows: what is multiplied has lost fog that comes back.
-void Shadows::cover(const std::array<GLint, 4>& viewport, int what) {
+void Shadows::darken(const ShadowInputs& inputs) {
+  ask(inputs.viewport, Cover::multiplies);
+  const bool fog = std::any_of(inputs.draws->begin(), inputs.draws->end(), [](const Receiver& draw) { return draw.fog.on; });
+  if (fog) cover(inputs.viewport, Cover::adds_fog);
+}
+
+void Shadows::count(const std::array<GLint, 4>& viewport) {
+  ask(viewport, Cover::counts);
+}
+
+void Shadows::ask(const std::array<GLint, 4>& viewport, Cover what) {
+  real().BeginQuery(GL_SAMPLES_PASSED, query_);
+  cover(viewport, what);
+  real().EndQuery(GL_SAMPLES_PASSED);
+  asked_ = true;
+}
+
+void Shadows::cover(const std::array<GLint, 4>& viewport, Cover what) {
   const Functions& gl = real();
   switch_off_tests();
   gl.Viewport(viewport[0], viewport[1], viewport[2], viewport[3]);
-  if (what != marks) gl.Enable(GL_BLEND);
+  if (what == Cover::counts) gl.ColorMask(0, 0, 0, 0);
+  if (what == Cover::multiplies || what == Cover::adds_fog) gl.Enable(GL_BLEND);
   gl.BlendEquation(GL_FUNC_ADD);
-  if (what == multiplies)
+  if (what == Cover::multiplies)
     gl.BlendFunc(GL_ZERO, GL_SRC_COLOR);
   else
     gl.BlendFunc(GL_ONE, GL_ONE);
@@ -265,7 +270,7 @@ void Shadows::cover(const std::array<GLint, 4>& viewport, int what) {
 }
 
 void Shadows::mark(const std::array<GLint, 4>& viewport) {
-  if (asked_) cover(viewport, marks);
+  if (asked_) cover(viewport, Cover::marks);
 }
 
 uint64_t Shadows::pixels() {

@@ -351,10 +351,12 @@ TEST_F(HostShading, RefusesWhatDoesNotGoWithIt) {
     EXPECT_EQ(submit_frame(host_.service().get(), in, ticket, &error), SIDERAY_INVALID_ARGUMENT);
     return std::string(error.message);
   };
-  FrameInputs in = host_.inputs();
-  in.layers->mode = SIDERAY_COMPOSITE;
-  in.layers->particles = 1;
-  EXPECT_THAT(refusal(in), testing::HasSubstr("particles"));
+  for (const sideray_service_mode mode : {SIDERAY_CACHE, SIDERAY_COMPOSITE}) {
+    FrameInputs in = host_.inputs();
+    in.layers->mode = mode;
+    in.layers->particles = 1;
+    EXPECT_THAT(refusal(in), testing::HasSubstr("particles")) << mode;
+  }
 
   const auto set = [&](const std::function<void(sideray_shader_desc&)>& change) {
     sideray_shader_desc d = shader_.desc(SIDERAY_SHADE_ON_WORKERS);

@@ -215,14 +215,14 @@ class Misses : public testing::TestWithParam<int> {
     host.trace(in);
   }
   // How many fragments of the pane there are for each reason, by occlusion queries.
-  std::vector<uint32_t> count(glm::vec3 offset = glm::vec3(0)) {
+  std::vector<uint32_t> count(const gl::Program& counter, glm::vec3 offset) {
     std::vector<uint32_t> counts;
     for (int reason = 0; reason <= 6; ++reason) {
-      counter_.use();
-      gl.Uniform1i(gl.GetUniformLocation(counter_.id(), "reason"), reason);
+      counter.use();
+      gl.Uniform1i(gl.GetUniformLocation(counter.id(), "reason"), reason);
       gl::Query query(gl);
       gl.BeginQuery(GL_SAMPLES_PASSED, query.id());
-      host.draw(counter_, GetParam(), GlassHost::clip_from_world(), offset);
+      host.draw(counter, GetParam(), GlassHost::clip_from_world(), offset);
       gl.EndQuery(GL_SAMPLES_PASSED);
       gl.GetQueryObjectuiv(query.id(), GL_QUERY_RESULT, &counts.emplace_back());
     }
@@ -233,9 +233,10 @@ class Misses : public testing::TestWithParam<int> {
     const GlassHost::Picture picture = host.draw(debug_, GetParam(), GlassHost::clip_from_world(), offset);
     return static_cast<size_t>(std::count(picture.begin(), picture.end(), glm::vec4(color, 1)));
   }
-  // All fragments have this reason, but for those beside what was traced.
+  // All fragments have this reason, but for those beside what was traced; the same where they are looked up by a place before.
   void expect_all(size_t reason, glm::vec3 color, glm::vec3 offset = glm::vec3(0)) {
-    const std::vector<uint32_t> counts = count(offset);
+    const std::vector<uint32_t> counts = count(counter_, offset);
+    EXPECT_EQ(count(moving_counter_, offset), counts);
     EXPECT_GT(counts[reason], 900u);
     for (size_t i = 0; i < counts.size(); ++i)
       if (i != reason && !(i == 3 && offset.z > 0)) {
@@ -249,11 +250,14 @@ class Misses : public testing::TestWithParam<int> {
 
  private:
   gl::Renderbuffer depth_{gl};
-  gl::Program counter_ = host.program(version(), "counted(world, id)",
-                                      "uniform int reason;\n"
-                                      "vec3 counted(vec3 at, SIDERAY_UINT surface) {\n"
-                                      "  if (sideray_explain(at, surface) != reason) discard;\n"
-                                      "  return vec3(0.0);\n}\n");
+  gl::Program make_counter(const std::string& explain) const {
+    return host.program(version(), "counted(world, id)",
+                        "uniform int reason;\n"
+                        "vec3 counted(vec3 at, SIDERAY_UINT surface) {\n"
+                        "  if (" + explain + "(at, surface) != reason) discard;\n"
+                        "  return vec3(0.0);\n}\n");
+  }
+  gl::Program counter_ = make_counter("sideray_explain"), moving_counter_ = make_counter("sideray_explain_moving");
   gl::Program debug_ = host.program(version(), "sideray_translucent(vec3(0.5), world, id)", "", {"SIDERAY_DEBUG"});
 };
 

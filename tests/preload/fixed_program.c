@@ -10,6 +10,8 @@
  *   late_box      a box before the pane is drawn after the smoke
  *   stencil       what is drawn after the pane is drawn where the stencil says that the pane is
  *   solid         the pane's alpha is 1
+ *   hanging       an opaque box hangs between the sun and the pane
+ *   thin          a thin tile, far away, turns its back to the sun and its front to the eye
  *   water         a blended square lies above the floor, to the right
  *   object, eye, sphere   a textured box stands on the eye's side, its coordinates by glTexGen; with
  *   explicit      they are those of its vertices, and the same
@@ -85,6 +87,21 @@ static void box(float x, float y, float z, float size) {
     }
   }
   glEnd();
+}
+
+static void draw_thin_tile(void) {
+  static const float normal[3] = {0, -0.8f, 0.6f};
+  glColor3f(0.9f, 0.8f, 0.1f);
+  for (int back = 0; back < 2; ++back) {
+    const float side = back ? -1 : 1, up = 3.4f + (back ? 0.016f : 0), z = -6 - (back ? 0.012f : 0);
+    glNormal3f(side * normal[0], side * normal[1], side * normal[2]);
+    glBegin(GL_QUADS);
+    glVertex3f(-1, up - 0.3f, z - 0.4f);
+    glVertex3f(1, up - 0.3f, z - 0.4f);
+    glVertex3f(1, up + 0.3f, z + 0.4f);
+    glVertex3f(-1, up + 0.3f, z + 0.4f);
+    glEnd();
+  }
 }
 
 static GLuint make_box_list(GLuint old, int level) {
@@ -291,6 +308,8 @@ static void draw_frame(GLuint box_list, GLuint checkers, int w, int h, int frame
   glCallList(box_list);
   glColor3f(0.2f, 0.8f, 0.2f);
   box(-0.3f, 0, -2, 0.8f);
+  if (has("hanging")) box(0.7f, 1.75f, 0.5f, 0.5f);
+  if (has("thin")) draw_thin_tile();
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   glDepthMask(GL_FALSE);

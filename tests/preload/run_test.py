@@ -246,6 +246,65 @@ class RunTest(unittest.TestCase):
         self.assertLess(len(darker), 3000)
         self.assertGreater(min(y for _, y in darker), 50)
 
+    # On the pane: in the hanging box's shadow, and in the sun.
+    PANE_IN_SHADOW, PANE_IN_THE_SUN = (0.6, 0.8, 0), (-0.6, 1.0, 0)
+
+    def held_back_in_shadow(self, *what, options=()):
+        """What shadows take from the pane, at both places, in codes; and what they should take of what is not in fog."""
+        rules = self.rule("sun light 0")
+        shadowed, said, figures = self.run_fixed("hanging", *what, options=[*rules, *options], frames=40 if options else 3)
+        self.assertEqual(said, "")
+        self.assertGreater(figures["mean_share_of_held_in_shadow"], 0.005)
+        lit, _, _ = self.run_fixed("hanging", *what)
+        taken = [[b - a for a, b in zip(shadowed.at(*pixel_of(*place)), lit.at(*pixel_of(*place)))] for place in (self.PANE_IN_SHADOW, self.PANE_IN_THE_SUN)]
+        # Glass of 4 % lies over the pane's alpha of 0.3.
+        cosine = SUN[2] / math.hypot(*SUN)
+        return taken, [0.96 * 0.3 * cosine * 255 * c for c in (0.2, 0.4, 0.3)]
+
+    def test_shadows_fall_on_what_is_held_back(self):
+        (in_shadow, in_the_sun), expected = self.held_back_in_shadow()
+        self.assertEqual(in_the_sun, [0, 0, 0])
+        for a, b in zip(in_shadow, expected):
+            self.assertAlmostEqual(a, b, delta=1.5)
+
+    def test_fog_lies_over_shadows_on_what_is_held_back(self):
+        (in_shadow, in_the_sun), expected = self.held_back_in_shadow("fog")
+        self.assertEqual(in_the_sun, [0, 0, 0])
+        clear = (12 - depth_of(*self.PANE_IN_SHADOW[1:])) / 10
+        for a, b in zip(in_shadow, expected):
+            self.assertAlmostEqual(a, clear * b, delta=1.5)
+
+    def test_late_shadows_fall_on_what_is_held_back(self):
+        (in_shadow, in_the_sun), expected = self.held_back_in_shadow("slow", options=["--late"])
+        self.assertEqual(in_the_sun, [0, 0, 0])
+        for a, b in zip(in_shadow, expected):
+            self.assertAlmostEqual(a, b, delta=1.5)
+
+    def test_the_far_side_of_what_is_thin_darkens_nothing(self):
+        """What the sun does not light cannot be darker in shadow, though its back, which it lights, is a step of depth behind it."""
+        plain = self.plain("thin")
+        seen, _, _ = self.run_fixed("thin", options=self.rule("sun light 0"))
+        x, y = pixel_of(0, 3.4, -6)
+        self.assertGreater(plain.at(x, y)[0], plain.at(x, y)[2])
+        for dx in range(-12, 13):
+            for a, b in zip(seen.at(x + dx, y), plain.at(x + dx, y)):
+                self.assertAlmostEqual(a, b, delta=1)
+
+    def test_shadows_fall_on_a_floor_that_mirrors(self):
+        """It is held back, textured, and written into the depth of the picture."""
+        mirror = self.floor_rule()
+        plain = self.plain()
+        without, _, _ = self.run_fixed(options=mirror)
+        with (self.folder / "rules").open("a") as rules:
+            rules.write("sun light 0\n")
+        seen, said, _ = self.run_fixed(options=mirror)
+        self.assertEqual(said, "")
+        for place, left in ((self.IN_SHADOW, 0.2), (self.IN_THE_SUN, 1)):
+            x, y = pixel_of(*place)
+            for channel in range(3):
+                expected = without.at(x, y)[channel] - 0.5 * (1 - left) * plain.at(x, y)[channel]
+                self.assertAlmostEqual(seen.at(x, y)[channel], expected, delta=2, msg=str(place))
+
     def test_fog_lies_over_shadows(self):
         plain = self.plain("fog")
         seen, _, _ = self.run_fixed("fog", options=self.rule("sun light 0"))
@@ -362,7 +421,7 @@ class RunTest(unittest.TestCase):
         (self.folder / "pictures").mkdir()
         rules = self.rule(f"water mesh {self.water_mesh()} ior=1.33", "sun light 0")
         for options in ((), ("--late",), ("--off",), ("--pictures", "pictures"), rules, (*rules, "--late"), (*rules, "--pictures", "pictures")):
-            _, said, figures = self.run_fixed("debug", "water", "smoke", "overlay", "resize", "lists", "fog", "sphere", frames=6, options=options)
+            _, said, figures = self.run_fixed("debug", "water", "smoke", "overlay", "resize", "lists", "fog", "sphere", "hanging", frames=6, options=options)
             self.assertEqual(said, "")
             self.assertEqual(figures["draws_held"] == 0, options == ("--off",))
 
