@@ -20,33 +20,48 @@ typedef function (*find_function)(const char* name);
 
 static find_function of_window, of_renderer;
 
+/* Shaders that read or write where nothing is. */
+static const char* const faults[] = {
+    "#version 450\n"
+    "#extension GL_NV_gpu_shader5 : enable\n"
+    "#extension GL_NV_shader_buffer_load : enable\n"
+    "#extension GL_NV_shader_buffer_store : enable\n"
+    "layout(local_size_x = 1) in;\n"
+    "uniform uint64_t place;\n"
+    "void main() { float* at = (float*)(place + uint64_t(0x7ead00000000UL)); *at = 1.0; }\n",
+    "#version 450\n"
+    "#extension GL_ARB_bindless_texture : require\n"
+    "layout(local_size_x = 1) in;\n"
+    "layout(std430, binding = 0) buffer Out { vec4 value; };\n"
+    "void main() { value = texelFetch(sampler2D(uvec2(0xdeadbeef, 0xdeadbeef)), ivec2(0), 0); }\n"};
+
 /* What the driver says after a fault. */
-static unsigned lose_by_fault(find_function find) {
-  const char* text =
-      "#version 430\n"
-      "#extension GL_NV_gpu_shader5 : require\n"
-      "#extension GL_NV_shader_buffer_load : require\n"
-      "#extension GL_NV_shader_buffer_store : require\n"
-      "layout(local_size_x = 1) in;\n"
-      "void main() { *(float*)(uint64_t(0x7ead0000u) << 12) = 1.0; }\n";
+static unsigned lose_by_fault(find_function find, const char* text) {
   const unsigned shader = ((unsigned (*)(unsigned))find("glCreateShader"))(COMPUTE_SHADER);
   ((void (*)(unsigned, int, const char**, const int*))find("glShaderSource"))(shader, 1, &text, NULL);
   ((void (*)(unsigned))find("glCompileShader"))(shader);
+  char log[400] = "";
+  ((void (*)(unsigned, int, int*, char*))find("glGetShaderInfoLog"))(shader, sizeof(log), NULL, log);
   const unsigned program = ((unsigned (*)(void))find("glCreateProgram"))();
   ((void (*)(unsigned, unsigned))find("glAttachShader"))(program, shader);
   ((void (*)(unsigned))find("glLinkProgram"))(program);
   ((void (*)(unsigned))find("glUseProgram"))(program);
   ((void (*)(unsigned, unsigned, unsigned))find("glDispatchCompute"))(1, 1, 1);
   ((void (*)(void))find("glFinish"))();
+  const unsigned error = ((unsigned (*)(void))find("glGetError"))();
   unsigned status = 0;
-  for (int i = 0; i < 100 && status == 0; ++i, usleep(20000))
+  for (int i = 0; i < 50 && status == 0; ++i, usleep(20000))
     status = ((unsigned (*)(void))find("glGetGraphicsResetStatus"))();
-  fprintf(stderr, "lost_context: the driver says %#x\n", status);
+  for (char* at = log; *at; ++at)
+    if (*at == '\n') *at = ' ';
+  fprintf(stderr, "lost_context: the driver says %#x, error %#x %s\n", status, error, log);
   return status;
 }
 
 static unsigned lose(find_function find) {
-  return getenv("SIDERAY_LOSE_BY_FAULT") ? lose_by_fault(find) : GUILTY_CONTEXT_RESET;
+  if (!getenv("SIDERAY_LOSE_BY_FAULT")) return GUILTY_CONTEXT_RESET;
+  const unsigned status = lose_by_fault(find, faults[0]);
+  return status ? status : lose_by_fault(find, faults[1]);
 }
 
 static unsigned status_of_window(void) {
