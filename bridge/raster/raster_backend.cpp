@@ -39,13 +39,21 @@ void RasterBackend::begin_call() {
   try {
     context_->require_drawable();
     context_->take_errors();
+    require_context();
   } catch (...) {
     context_->release_current();
     throw;
   }
 }
 
+void RasterBackend::require_context() {
+  if (context_->is_lost())
+    fail(SIDERAY_GL_FAILED, "OpenGL driver {}: it has lost the context, as where a GPU is reset; create another renderer",
+         context_->info().renderer);
+}
+
 void RasterBackend::require_no_errors() {
+  require_context();
   const std::vector<std::string> errors = context_->take_errors();
   if (!errors.empty())
     fail(SIDERAY_GL_FAILED, "OpenGL driver {}: {}; please report this with the driver's version ({})",

@@ -48,6 +48,8 @@ class RasterBackend final : public Backend {
   std::vector<uint8_t> answers(AnswerOf of) const override;
 
  private:
+  void require_context();
+
   std::unique_ptr<gl::Context> context_;
   std::unique_ptr<gl::Rasterizer> rasterizer_;
   std::unique_ptr<Service> service_;  // traces with the scene's tracer

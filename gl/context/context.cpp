@@ -36,6 +36,11 @@ std::vector<std::string> Context::take_errors() {
   return std::exchange(errors_, {});
 }
 
+bool Context::is_lost() {
+  if (functions_.GetGraphicsResetStatus && functions_.GetGraphicsResetStatus() != GL_NO_ERROR) is_lost_ = true;
+  return is_lost_;
+}
+
 void Context::finish_creation() {
   functions_ = load_functions(&Context::get_proc_address, this);
   info_.renderer = functions_.renderer;

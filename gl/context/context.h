@@ -56,6 +56,9 @@ class Context {
   // SIDERAY_GL_DEBUG set, a message is there before the call that caused it returns; without, perhaps later. For a
   // host's context, whose debug output is the host's, returns what glGetError has.
   virtual std::vector<std::string> take_errors();
+  // Whether the driver has lost it, as where the GPU was reset: nothing is drawn in it any more. False where drivers do not tell,
+  // and of a host's context, whose status is the host's to take.
+  virtual bool is_lost();
 
  protected:
   Context() = default;
@@ -67,6 +70,7 @@ class Context {
   std::vector<std::string> errors_;
 
  private:
+  bool is_lost_ = false;  // drivers may tell it once
   static void GLAD_API_PTR receive_message(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length,
                                            const GLchar* message, const void* context);
   std::mutex errors_mutex_;  // drivers may report from threads of their own

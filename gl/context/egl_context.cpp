@@ -248,25 +248,33 @@ EGLConfig choose_config(const Library& egl, EGLDisplay display, const std::strin
   return config;
 }
 
+// Attributes of a context that tells when it is lost, where `tells_loss`.
+std::vector<EGLint> context_attributes(int version, Profile profile, bool egl_1_5, bool tells_loss) {
+  std::vector<EGLint> attributes = {
+      EGL_CONTEXT_MAJOR_VERSION,
+      version / 10,
+      EGL_CONTEXT_MINOR_VERSION,
+      version % 10,
+      EGL_CONTEXT_OPENGL_PROFILE_MASK,
+      profile == Profile::core ? EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT : EGL_CONTEXT_OPENGL_COMPATIBILITY_PROFILE_BIT};
+  if (tells_loss)
+    attributes.insert(attributes.end(), {EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY, EGL_LOSE_CONTEXT_ON_RESET});
+  if (debug_requested() && egl_1_5)
+    attributes.insert(attributes.end(), {EGL_CONTEXT_OPENGL_DEBUG, EGL_TRUE});
+  else if (debug_requested())
+    attributes.insert(attributes.end(), {EGL_CONTEXT_FLAGS_KHR, EGL_CONTEXT_OPENGL_DEBUG_BIT_KHR});
+  attributes.push_back(EGL_NONE);
+  return attributes;
+}
+
 EGLContext create_context(const Library& egl, EGLDisplay display, EGLConfig config, Profile profile) {
-  const std::string version_text = text(egl.query_string(display, EGL_VERSION));
-  const bool egl_1_5 = version_text.compare(0, 3, "1.5") >= 0;
-  for (const int version : core_versions) {
-    std::vector<EGLint> attributes = {
-        EGL_CONTEXT_MAJOR_VERSION,
-        version / 10,
-        EGL_CONTEXT_MINOR_VERSION,
-        version % 10,
-        EGL_CONTEXT_OPENGL_PROFILE_MASK,
-        profile == Profile::core ? EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT : EGL_CONTEXT_OPENGL_COMPATIBILITY_PROFILE_BIT};
-    if (debug_requested() && egl_1_5)
-      attributes.insert(attributes.end(), {EGL_CONTEXT_OPENGL_DEBUG, EGL_TRUE});
-    else if (debug_requested())
-      attributes.insert(attributes.end(), {EGL_CONTEXT_FLAGS_KHR, EGL_CONTEXT_OPENGL_DEBUG_BIT_KHR});
-    attributes.push_back(EGL_NONE);
-    EGLContext context = egl.create_context(display, config, EGL_NO_CONTEXT, attributes.data());
-    if (context != EGL_NO_CONTEXT) return context;
-  }
+  const bool egl_1_5 = text(egl.query_string(display, EGL_VERSION)).compare(0, 3, "1.5") >= 0;
+  for (const int version : core_versions)
+    for (const bool tells_loss : {true, false}) {  // not all drivers can
+      const std::vector<EGLint> attributes = context_attributes(version, profile, egl_1_5, tells_loss);
+      EGLContext context = egl.create_context(display, config, EGL_NO_CONTEXT, attributes.data());
+      if (context != EGL_NO_CONTEXT) return context;
+    }
   fail(SIDERAY_NO_DEVICE, "the driver gives no OpenGL 3.3 context ({}); update it or use another device{}",
        error_name(egl.get_error()), environment_hint());
 }

@@ -50,6 +50,7 @@ class HostContext final : public Context {
     if (error == GL_NO_ERROR) return {};
     return {fmt::format("OpenGL error {:#x}", error)};
   }
+  bool is_lost() override { return false; }
 
  private:
   void* resolve(const char*) override { return nullptr; }  // the table was loaded by the host's loader

@@ -7,6 +7,7 @@ Titles say how far a picture is, and pictures of the screen what is seen. LOST_C
 """
 import os
 import pathlib
+import re
 import shlex
 import shutil
 import signal
@@ -23,6 +24,7 @@ from display import Display
 
 PROGRAM = pathlib.Path(sys.argv[1]).resolve() if len(sys.argv) > 1 else None
 LOST_CONTEXT = pathlib.Path(sys.argv[2]).resolve() if len(sys.argv) > 2 and sys.argv[2] else None
+needs_lost_context = unittest.skipUnless(LOST_CONTEXT, "the library that loses contexts is not built with sanitizers")
 SCREEN = (1000, 600)
 PANEL = 380
 # Middles of the panel's rows, in pixels below its top.
@@ -86,6 +88,17 @@ class Viewer(unittest.TestCase):
 
     def title(self):
         return self.client.title(self.client.window("Sideray"))
+
+    def number_of_pictures(self):
+        found = re.search(r"picture (\d+):", self.title())
+        return int(found[1]) if found else 0
+
+    def frame_all(self):
+        """Draws the view anew that has all of the scene in it."""
+        before = self.number_of_pictures()
+        self.client.press("f")
+        self.wait_until(lambda: self.number_of_pictures() > before, "nothing was drawn")
+        self.wait_for("64/64")
 
     def drag(self, *places):
         """As a hand does: not all of it between two frames of the window."""
@@ -305,7 +318,7 @@ class Viewer(unittest.TestCase):
         saved = self.save()
         lose()
         self.assertEqual(self.window.wait(20), 1)
-        said = [line for line in self.window.stderr.read().splitlines() if line]
+        said = [line for line in self.window.stderr.read().splitlines() if line and not line.startswith("lost_context:")]
         self.assertEqual(len(said), 1, said)
         self.assertIn(reason, said[0])
         self.assertEqual(sorted(file.name for file in self.folder.iterdir() if ".tmp" in file.name), [])
@@ -333,13 +346,25 @@ class Viewer(unittest.TestCase):
         self.client = self.display.client()
         self.go_on(saved, words)
 
+    @needs_lost_context
     def test_a_lost_context_leaves_a_command_that_goes_on(self):
-        if not LOST_CONTEXT:
-            self.skipTest("the library that loses contexts is not built with sanitizers")
         lost = self.folder / "lost"
-        self.open("panes", LD_PRELOAD=str(LOST_CONTEXT), SIDERAY_LOSE_CONTEXT=str(lost))
+        self.open("panes", LD_PRELOAD=str(LOST_CONTEXT), SIDERAY_LOSE_WINDOW=str(lost))
         self.wait_for("64/64")
         self.go_on(*self.lose(lambda: (lost.touch(), self.client.move(90, 70)), "its OpenGL context was reset"))
+
+    @needs_lost_context
+    def test_a_renderer_whose_context_is_lost_is_made_anew(self):
+        lost = self.folder / "lost"
+        self.open("panes", "160x90", "--gl", "egl", LD_PRELOAD=str(LOST_CONTEXT), SIDERAY_LOSE_RENDERER=str(lost))
+        self.wait_for("64/64")
+        self.frame_all()
+        saved = self.save()
+        lost.touch()
+        self.frame_all()
+        self.assertFalse(lost.exists(), "no context was lost")
+        self.assertEqual(png_rows(self.save()), png_rows(saved))
+        self.close()
 
 
 if __name__ == "__main__":

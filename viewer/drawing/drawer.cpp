@@ -70,9 +70,26 @@ Drawer::Side& Drawer::side_of(size_t index) {
   return side;
 }
 
+// On a GPU what moves is drawn whole within a budget, however long pictures at rest take.
+bool Drawer::keeps_budget(const View& view, Way way) const {
+  return view.is_moving && shown_.budget_ms > 0 && way != Way::reference;
+}
+
 bool Drawer::is_slow(Way way) const {
   const Speed& speed = speeds_[static_cast<size_t>(way)];
-  return speed.ns_per_pixel == 0 || speed.ns_per_pixel * pixels_of(view_) > slow_ms * ns_per_ms;
+  const bool keeps = keeps_budget(view_, way);
+  const double known = keeps ? speed.moving_ns_per_pixel : speed.ns_per_pixel;
+  return known == 0 ? !keeps : known * pixels_of(view_) > slow_ms * ns_per_ms;
+}
+
+void Drawer::learn(const View& view, Way way, const Frame& frame) {
+  Speed& speed = speeds_[static_cast<size_t>(way)];
+  const bool keeps = keeps_budget(view, way);
+  // A motion that was too slow for whole pictures may be the one in which everything was uploaded: the next one begins anew.
+  if (!frame.is_preview && !keeps) speed.moving_ns_per_pixel = 0;
+  double& known = frame.is_preview ? speed.preview_ns_per_pixel : keeps ? speed.moving_ns_per_pixel : speed.ns_per_pixel;
+  const double found = frame.ms * ns_per_ms / (static_cast<double>(frame.width) * frame.height);
+  known = known == 0 ? found : 0.7 * known + 0.3 * found;
 }
 
 // Of the sides that are not done the one that has had the least time: both are looked at beside each other, and a reference
@@ -163,10 +180,7 @@ void Drawer::paint(std::unique_lock<std::mutex>& lock, Painter& painter, size_t 
     shown_.frames[side] = nullptr;
     return wake_();
   }
-  Speed& speed = speeds_[static_cast<size_t>(way)];
-  double& known = effort.is_preview ? speed.preview_ns_per_pixel : speed.ns_per_pixel;
-  const double found = frame->ms * ns_per_ms / (static_cast<double>(effort.width) * effort.height);
-  known = known == 0 ? found : 0.7 * known + 0.3 * found;
+  learn(view, way, *frame);
   publish(side, std::move(frame));
 }
 

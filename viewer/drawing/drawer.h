@@ -52,7 +52,9 @@ class Drawer {
   std::optional<size_t> next_side();
   std::optional<size_t> next_preview();
   bool inspects() const;
+  bool keeps_budget(const View& view, Way way) const;
   bool is_slow(Way way) const;
+  void learn(const View& view, Way way, const Frame& frame);
   Effort preview_effort(Way way);
   void paint(std::unique_lock<std::mutex>& lock, Painter& painter, size_t side, const Effort& effort);
   void publish(size_t side, std::shared_ptr<const Frame> frame);
@@ -71,8 +73,9 @@ class Drawer {
   std::array<Side, sides> sides_;
   Shown shown_;
   struct Speed {
-    double ns_per_pixel = 0, preview_ns_per_pixel = 0;  // 0: not known yet
-    uint32_t preview_step = 0;                          // a preview is this many times smaller a side
+    // Of whole pictures at rest, of those that move within a budget, and of previews; 0: not known yet.
+    double ns_per_pixel = 0, moving_ns_per_pixel = 0, preview_ns_per_pixel = 0;
+    uint32_t preview_step = 0;  // a preview is this many times smaller a side
   };
   std::array<Speed, way_count> speeds_;
   struct Inspected {

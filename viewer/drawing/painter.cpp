@@ -1,6 +1,9 @@
 #include "viewer/drawing/painter.h"
 
+#include <algorithm>
 #include <chrono>
+#include <future>
+#include <thread>
 
 #include "scenes/base/files.h"
 #include "scenes/images/images.h"
@@ -60,14 +63,38 @@ Options options_for(const View& view, Way way, const Effort& effort) {
   return options;
 }
 
-scenes::Image image_of(const Picture& picture) {
-  scenes::Image image{picture.width(), picture.height(), {}, true};
-  const size_t pixels = size_t{image.width} * image.height;
-  for (const char* name : {"R", "G", "B"}) {
-    const float* values = floats_of(picture, name);
-    image.planes.push_back({name, scenes::Plane::Type::single, {values, values + pixels}, {}});
-  }
-  return image;
+using Planes = std::array<const float*, 3>;
+
+Planes colors_of(const Picture& picture) {
+  return {floats_of(picture, "R"), floats_of(picture, "G"), floats_of(picture, "B")};
+}
+
+// Some rows of a picture as they are displayed.
+void develop_rows(const Planes& planes, const lab::Display& display, uint32_t first, uint32_t last, Frame& frame) {
+  scenes::Image rows{frame.width, last - first, {}, true};
+  const size_t begin = size_t{first} * frame.width, end = size_t{last} * frame.width;
+  constexpr const char* names[] = {"R", "G", "B"};
+  for (size_t k = 0; k < 3; ++k)
+    rows.planes.push_back({names[k], scenes::Plane::Type::single, {planes[k] + begin, planes[k] + end}, {}});
+  const std::vector<float> values = scenes::display_values(rows, display.exposure_ev, display.tonemap);
+  const std::vector<uint8_t> bytes = scenes::quantize(values);
+  std::copy(values.begin(), values.end(), frame.display.begin() + static_cast<std::ptrdiff_t>(3 * begin));
+  std::copy(bytes.begin(), bytes.end(), frame.rgb.begin() + static_cast<std::ptrdiff_t>(3 * begin));
+}
+
+// On all cores: exact powers of all pixels take one core longer than a picture in motion may take.
+void develop(const Planes& planes, const lab::Display& display, Frame& frame) {
+  constexpr uint32_t least_rows = 16;
+  frame.display.resize(size_t{3} * frame.width * frame.height);
+  frame.rgb.resize(frame.display.size());
+  const uint32_t cores = std::max(1u, std::thread::hardware_concurrency());
+  const uint32_t rows = std::max(least_rows, (frame.height + cores - 1) / cores);
+  std::vector<std::future<void>> bands;
+  for (uint32_t first = 0; first < frame.height; first += rows)
+    bands.push_back(std::async(std::launch::async, [&, first] {
+      develop_rows(planes, display, first, std::min(first + rows, frame.height), frame);
+    }));
+  for (std::future<void>& band : bands) band.get();
 }
 
 }  // namespace
@@ -136,31 +163,31 @@ void Painter::cancel() {
   if (drawing_) drawing_->cancel();
 }
 
-void Painter::add(const Picture& picture, Refined& refined) const {
-  const char* const names[] = {"R", "G", "B"};
+void Painter::refine(const Picture& picture, const View& view, const Effort& effort) {
+  if (!refined_.is_of(view, effort)) refined_ = {view.number, effort.width, effort.height, 0, {}};
+  const Planes planes = colors_of(picture);
   for (size_t k = 0; k < 3; ++k) {
-    const float* values = floats_of(picture, names[k]);
-    for (size_t i = 0; i < refined.sums[k].size(); ++i) refined.sums[k][i] += static_cast<double>(values[i]);
+    std::vector<double>& sum = refined_.sums[k];
+    sum.resize(size_t{effort.width} * effort.height);
+    for (size_t i = 0; i < sum.size(); ++i) sum[i] += static_cast<double>(planes[k][i]);
   }
-  ++refined.positions;
+  ++refined_.positions;
 }
 
-void Painter::develop(const View& view, const scenes::Image& image, Frame& frame) const {
-  frame.display = scenes::display_values(image, view.display.exposure_ev, view.display.tonemap);
-  frame.rgb = scenes::quantize(frame.display);
+std::array<std::vector<float>, 3> Painter::refined() const {
+  std::array<std::vector<float>, 3> means;
+  for (size_t k = 0; k < 3; ++k)
+    for (const double sum : refined_.sums[k]) means[k].push_back(static_cast<float>(sum / refined_.positions));
+  return means;
 }
 
 std::shared_ptr<Frame> Painter::paint(const View& view, Way way, const Effort& effort) {
   const Clock::time_point start = Clock::now();
   const Mode& mode = modes()[view.mode];
   const bool refines = way == Way::reference && mode.aov == 0 && !effort.is_preview;
-  const bool goes_on = refined_.number == view.number && refined_.width == effort.width && refined_.height == effort.height;
-  if (refines && !goes_on) {
-    refined_ = {view.number, effort.width, effort.height, 0, {}};
-    for (std::vector<double>& sum : refined_.sums) sum.resize(size_t{effort.width} * effort.height);
-  }
   auto frame = std::make_shared<Frame>();
-  auto picture = std::make_shared<Picture>(draw_anyhow(view, way, effort, refines ? refined_.positions : 0));
+  auto picture = std::make_shared<Picture>(
+      draw_anyhow(view, way, effort, refines && refined_.is_of(view, effort) ? refined_.positions : 0));
   frame->number = view.number;
   frame->way = way;
   frame->width = effort.width, frame->height = effort.height;
@@ -172,19 +199,15 @@ std::shared_ptr<Frame> Painter::paint(const View& view, Way way, const Effort& e
     frame->rgb = shown(*picture, mode);
     if (frame->rgb.empty())
       scenes::refuse("{}: this picture has none of it; choose another way of drawing, or other options", mode.name);
-    frame->is_done = !effort.is_preview;
+  } else if (refines) {
+    refine(*picture, view, effort);
+    const std::array<std::vector<float>, 3> means = refined();
+    develop({means[0].data(), means[1].data(), means[2].data()}, view.display, *frame);
+    frame->positions = refined_.positions;
   } else {
-    scenes::Image image = image_of(*picture);
-    if (refines) {
-      add(*picture, refined_);
-      for (size_t k = 0; k < 3; ++k)
-        for (size_t i = 0; i < refined_.sums[k].size(); ++i)
-          image.planes[k].values[i] = static_cast<float>(refined_.sums[k][i] / refined_.positions);
-      frame->positions = refined_.positions;
-    }
-    develop(view, image, *frame);
-    frame->is_done = !effort.is_preview && frame->positions >= positions_of(way);
+    develop(colors_of(*picture), view.display, *frame);
   }
+  frame->is_done = !effort.is_preview && (mode.aov != 0 || frame->positions >= positions_of(way));
   frame->picture = std::move(picture);
   frame->ms = ms_since(start);
   return frame;

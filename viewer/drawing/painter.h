@@ -30,19 +30,22 @@ class Painter {
   void cancel();
 
  private:
-  // The mean of the pictures of a reference so far.
+  // The sums of the pictures of a reference so far.
   struct Refined {
     uint64_t number = 0;
     uint32_t width = 0, height = 0, positions = 0;
     std::array<std::vector<double>, 3> sums;
+    bool is_of(const View& view, const Effort& effort) const {
+      return number == view.number && width == effort.width && height == effort.height;
+    }
   };
 
   Renderer& renderer_for(const View& view, Way way, bool needs_rasterizer);
   Picture draw_anyhow(const View& view, Way way, const Effort& effort, uint32_t position);
   Picture draw(const View& view, Way way, const Effort& effort, uint32_t position);
   Picture render(Renderer& renderer, const Scene& scene, const sideray_camera& camera, const sideray_render_options& options);
-  void add(const Picture& picture, Refined& refined) const;
-  void develop(const View& view, const scenes::Image& image, Frame& frame) const;
+  void refine(const Picture& picture, const View& view, const Effort& effort);
+  std::array<std::vector<float>, 3> refined() const;
 
   Machine& machine_;
   std::weak_ptr<SceneFile> scene_;  // what the renderers hold
