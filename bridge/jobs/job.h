@@ -49,6 +49,7 @@ struct TraceInput {
   float subpixel;                                                 // by how much of a pixel vertices move, at most
   const std::atomic<bool>& cancelled;
   rt::WorkTime work;                // that rays have
+  rt::ViewFrame frame;              // for what reprojects
   rt::ShadingQueue* shading_queue;  // SIDERAY_SHADE_IN_CALLS; otherwise null
 
   template <typename Texel>

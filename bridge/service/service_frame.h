@@ -78,6 +78,7 @@ struct ServiceView {
   ReflectionJob reflections;
   const std::array<Job*, job_count> jobs{&masks, &irradiance, &reflections, &layers};  // in the order in which they are traced
   std::array<std::shared_ptr<const model::Snapshot>, job_count> shown;  // the scene of each job's newest outputs
+  rt::PixelTrail trail;  // of the frames that its jobs trace; the worker's
   std::array<bool, job_count> broken{};  // the next frame that is traced by the job follows none
 
   // Drops all OpenGL objects without calling OpenGL.
