@@ -49,6 +49,7 @@ struct TraceInput {
   float subpixel;                                                 // the most that vertices snap, in pixels
   const std::atomic<bool>& cancelled;
   rt::WorkTime work;                // the time and pieces that rays have
+  rt::ViewFrame frame;              // the view's place in its history, for reprojection
   rt::ShadingQueue* shading_queue;  // SIDERAY_SHADE_IN_CALLS; otherwise null
 
   template <typename Texel>

@@ -17,6 +17,7 @@ rt::LightRequest light_request(const JobFrame& frame, const TraceInput& input, s
           .denoise = denoise,
           .seed = in.seed,
           .sequence = frame.sequence,
+          .frame = input.frame,
           .still = &still,
           .cancelled = &input.cancelled,
           .work = input.work,

@@ -36,6 +36,7 @@ class RayBackend::Frame {
         inputs_(trace_inputs(job, position)),
         view_(local_view(inputs_.view, job.snapshot->origin)),
         turn_(job.tracer->turn) {
+    ++jobs_.frames;
     inputs_.resolves = plan_.resolves;
     inputs_.inspection.redraws = std::exchange(job.has_frame, true);
     inputs_.inspection.keeps_masks = job.keeps_masks;
@@ -93,7 +94,7 @@ class RayBackend::Frame {
     FrameBudget::Turn turn{};
     if (inputs_.budget_ms > 0.0f && is_bounded) {
       turn = jobs_.budget.start(0, index, {false, index < 1 && plan_.bounces, index < 2 && plan_.reflects, false}, end_);
-      work = {.deadline = turn.stop, .least_pieces = 1, .ends_in_time = true};
+      work = turn.work();
     }
     if (inputs_.budget_pieces > 0 && is_bounded) work.pieces = &pieces;
     rt::Counters counters = job.trace({inputs_, 0, *job_.snapshot, sequence_step(inputs_), false},
@@ -104,6 +105,7 @@ class RayBackend::Frame {
                                        .subpixel = 0.0f,
                                        .cancelled = job_.cancelled,
                                        .work = work,
+                                       .frame = {&jobs_.trail, jobs_.frames},
                                        .shading_queue = nullptr});
     if (inputs_.budget_ms > 0.0f && is_bounded) {
       jobs_.budget.finish(0, index, turn, counters);
@@ -249,6 +251,7 @@ const rt::LayerCache& RayBackend::read_layers(const PictureJob& job) {
                        .subpixel = 0.0f,
                        .cancelled = job.cancelled,
                        .work = {},
+                       .frame = {},
                        .shading_queue = nullptr});
   return jobs_->shown_layers.cache();
 }

@@ -73,6 +73,8 @@ class RayBackend final : public Backend {
     ReflectionJob reflections;
     LayerJob layers, shown_layers;
     FrameBudget budget;
+    rt::PixelTrail trail;
+    uint64_t frames = 0;
   };
   std::unique_ptr<Jobs> jobs_ = std::make_unique<Jobs>();
   const sideray_scene* scene_ = nullptr;

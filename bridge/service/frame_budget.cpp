@@ -57,12 +57,16 @@ FrameBudget::Turn FrameBudget::start(uint32_t view_id, size_t job, const std::ar
   const std::lock_guard lock(mutex_);
   Cost& own = costs_[view_id][job];
   own.expected -= own.expected > 0;
+  ++own.waited;
   // Counts only the last job's upload: the others overlap the rays of the next job.
   double rays = 0.0, others = own.after, last_upload = own.upload;
+  bool waited_longest = true;
   const auto add = [&](const Cost& cost) {
+    const uint32_t waits = cost.waited + 1;
     rays += cost.rays;
-    others += cost.after;
+    others += waits >= own.waited ? cost.after : cost.idle;
     last_upload = cost.upload;
+    waited_longest = waited_longest && waits <= own.waited;
   };
   for (uint32_t v = 0; v < SIDERAY_MAX_VIEWS; ++v)
     for (size_t j = 0; v != view_id && j < job_count; ++j)
@@ -72,7 +76,10 @@ FrameBudget::Turn FrameBudget::start(uint32_t view_id, size_t job, const std::ar
   const Time now = Clock::now();
   const double left = ms_between(now, end) - others - last_upload;
   const double share = std::max(own.rays / (own.rays + rays), job_least_share);
-  return {now, now + milliseconds(std::max(left * share, 0.0)), left <= 0.0};
+  // Frames that end together make progress in one job at least.
+  const bool traces = left > 0.0 || (waited_longest && last_turn_ != end);
+  if (traces) own.waited = 0, last_turn_ = end;
+  return {now, now + milliseconds(std::max(left * share, 0.0)), left <= 0.0, traces};
 }
 
 void FrameBudget::finish(uint32_t view_id, size_t job, const Turn& turn, const rt::Counters& counters) {
@@ -82,6 +89,7 @@ void FrameBudget::finish(uint32_t view_id, size_t job, const Turn& turn, const r
   const double took = ms_between(turn.begun, now), allowed = ms_between(turn.begun, turn.stop);
   const double traced = share_traced(counters);
   if (cost.frames++ == 0) return;  // the first frame allocates memory
+  if (!turn.traces) return follow(cost.idle, took);
   if (traced == 1.0) {  // no time limit stopped the rays
     follow(cost.after, counters.denoise_ms);
     cost.rays = std::max(took - cost.after, 0.01);

@@ -1,6 +1,7 @@
 // Divides the time that a host gives its frames among their jobs, so that a frame ends in time instead of being cut.
 // Measures what each job of a view takes besides its rays, reserves that time, and shares the rest in proportion to the
-// time of all rays of each job. One object for a service; any thread.
+// time of all rays of each job. Where that is not enough for all, jobs take turns, the one that waited longest first, and
+// the others show history alone. One object for a service; any thread.
 #pragma once
 
 #include <sideray/service.h>
@@ -32,6 +33,9 @@ class FrameBudget {
   struct Turn {
     Time begun, stop;  // no ray begins after `stop`
     bool starved;      // there was no time left for rays
+    bool traces;       // at least one piece is traced, even if starved; otherwise none
+
+    rt::WorkTime work() const { return {.deadline = stop, .least_pieces = traces ? 1u : 0u, .ends_in_time = true}; }
   };
   // Begins to trace a job. `later`: whether the frame has jobs of higher indices.
   Turn start(uint32_t view_id, size_t job, const std::array<bool, job_count>& later, Time end);
@@ -43,8 +47,10 @@ class FrameBudget {
   struct Cost {
     double rays = 1.0;   // for all rays
     double after = 0.0;  // after the rays end: pieces that have begun, filters
+    double idle = 0.0;   // for a frame without rays
     double upload = 0.0;
     uint32_t expected = 0, frames = 0;
+    uint32_t waited = 0;  // frames since the last one with rays, counting the current one
   };
   struct Round {
     Time end;
@@ -53,6 +59,7 @@ class FrameBudget {
 
   std::mutex mutex_;
   std::optional<Round> round_;
+  Time last_turn_{};  // the end of the last frames of which a job has traced anything
   std::array<std::array<Cost, job_count>, SIDERAY_MAX_VIEWS> costs_{};
 };
 

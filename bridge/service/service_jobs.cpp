@@ -280,7 +280,7 @@ void Service::trace(Frame& frame, size_t index) {
     std::array<bool, job_count> later{};
     for (size_t i = index + 1; i < job_count; ++i) later[i] = (jobs_of(in) & frame.view->jobs[i]->bit()) != 0;
     budgeted = budget_.start(in.view_id, index, later, frame.end);
-    work = {.deadline = budgeted.stop, .least_pieces = 1, .ends_in_time = true};
+    work = budgeted.work();
   }
   if (in.budget_pieces > 0) work.pieces = &pieces;
   tracer_->use(frame.snapshot);
@@ -298,6 +298,7 @@ void Service::trace(Frame& frame, size_t index) {
                                                   .subpixel = subpixel_ + (frame.readback.multisampled() ? half_pixel : 0.0f),
                                                   .cancelled = frame.cancelled,
                                                   .work = work,
+                                                  .frame = {&frame.view->trail, frame.ticket},
                                                   .shading_queue = queue_of(frame)});
   if (in.budget_ms <= 0.0f) return;
   budget_.finish(in.view_id, index, budgeted, run.counters);

@@ -263,9 +263,9 @@ typedef struct sideray_frame_inputs {
   const sideray_diagnostics* diagnostics; /* NULL: none. Of it, exact_points and budget_pieces are read */
   /* Milliseconds, > 0, from the readback of depth to the last upload, for rays, filters and uploads of all jobs. The
    * service predicts filters and uploads from earlier frames and stops rays in time for them. Views submitted together
-   * share the budget of the first. Each job traces at least one piece of the picture a frame, the least recently traced
-   * first. Pieces without a turn show their history as under deadline_ms, reflections too. 0 = none. Not with
-   * deadline_ms. The bits depend on the machine. */
+   * share the budget of the first. Where it is too short for all jobs they take turns, the one that waited longest first;
+   * each traces its least recently traced pieces first. Pieces without a turn show their history as under deadline_ms,
+   * reflections too. 0 = none. Not with deadline_ms. The bits depend on the machine. */
   float budget_ms;
   const sideray_irradiance_inputs* irradiance; /* NULL: none */
 } sideray_frame_inputs;
@@ -413,7 +413,7 @@ typedef struct sideray_frame_stats {
   uint64_t answer_age; /* age of the oldest answer shown, in frames; frames without a change do not count */
   /* Mirroring pixels without a reflection, and with one of an earlier frame. */
   uint64_t reflection_pixels_late, reflection_pixels_older;
-  uint64_t jobs_starved; /* jobs for whose rays the budget left no time: one piece of each was traced */
+  uint64_t jobs_starved; /* jobs for whose rays the budget left no time: one piece where it is their turn */
   /* Age of the least recently traced piece of the picture, in frames; 0 = all was traced in this one. */
   uint64_t frames_waiting;
   uint64_t rays_bounce; /* of irradiance: along paths, and toward the sky */

@@ -41,6 +41,10 @@ struct WorkTime {
 inline bool is_bounded(const WorkTime& time) {
   return has_deadline(time.deadline) || time.pieces;
 }
+// Returns whether no piece of it begins any more.
+inline bool is_over(const WorkTime& time) {
+  return time.least_pieces == 0 && time.least.count() == 0 && !time.pieces && has_passed(time.deadline);
+}
 
 // Stands for a part of a frame's work that has begun. Any thread may run pieces.
 class WorkClock {

@@ -21,13 +21,13 @@ struct FramePixels {
   // Pixels, and layers, that the mask requests, traced or not; the layers of unlimited pixels are left out.
   uint64_t masked, requested;
 
-  // Scratch memory of a row of tiles, reused by the next frame.
-  struct Row {
+  // Scratch memory of a part of a row of tiles, reused by the next frame.
+  struct Part {
     std::vector<PixelRequest> pixels;
     size_t first = 0;  // where they begin in the frame's
     uint64_t masked = 0, requested = 0;
   };
-  std::vector<Row> rows;
+  std::vector<Part> parts;
 };
 
 // A tile is a square of this many pixels a side.

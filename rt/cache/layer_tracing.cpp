@@ -155,6 +155,13 @@ void LayerTracing::refract(const CacheRequest& request, TracedScene& scene, Fram
 
 TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& scene, LayerCache& cache,
                                     Counters& counters) {
+  OlderLayers* older = takes_older(request) ? request.older : nullptr;
+  FrameChunks::Leave leave;
+  if (older)
+    leave = [&](std::span<const PixelRequest> pixels, uint32_t thread) {
+      return older->leave(pixels, workers_[thread].counters);
+    };
+  if (is_over(request.work)) return chunks_.run(request, scene.executor(), {}, leave, counters);
   const ViewRays view(request.view, request.width, request.height);
   FrameContext context{.request = &request,
                        .cache = &request,
@@ -174,7 +181,6 @@ TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& sc
                         .error = request.ray_reuse,
                         .viewer = way_to_viewer(request.view),
                         .bounces = request.light_bounces});
-  OlderLayers* older = takes_older(request) ? request.older : nullptr;
   TileReach* reach = request.wanted ? request.wanted->reach.get() : nullptr;
   if (reach) reach->fit(request.view, request.width, request.height, request.depth);
   const auto trace = [&](size_t chunk, std::span<const PixelRequest> pixels, uint32_t thread) {
@@ -198,11 +204,6 @@ TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& sc
     if (reach) add_to_tiles(request, pixels, rays);
     return end;
   };
-  FrameChunks::Leave leave;
-  if (older)
-    leave = [&](std::span<const PixelRequest> pixels, uint32_t thread) {
-      return older->leave(pixels, workers_[thread].counters);
-    };
   return chunks_.run(request, scene.executor(), trace, leave, counters);
 }
 

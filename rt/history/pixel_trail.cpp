@@ -1,6 +1,7 @@
 #include "rt/history/pixel_trail.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace sideray::rt {
@@ -12,19 +13,27 @@ constexpr float same_depth = 1.0f / 128.0f;
 }  // namespace
 
 void PixelTrail::begin(const TraceView& view, const DepthImage& depth, glm::uvec2 size, glm::dvec3 origin, bool follows,
-                       Executor& executor) {
+                       Executor& executor, uint64_t frame, std::span<const float> depths) {
+  if (frame != 0 && frame == frame_) return;
   FrameCamera camera(view, size.x, size.y);
-  before_ = follows ? camera_ : std::nullopt;
+  before_ = follows && size == glm::uvec2(width_, height_) ? camera_ : std::nullopt;
   if (before_) before_->shift(origin_ - origin);
+  frame_ = frame;
+  ++step_;
   number_ = before_ ? number_ + 1 : 1;
   origin_ = origin;
   camera_ = camera;
   width_ = size.x, height_ = size.y;
   std::swap(depth_, depth_before_);
-  fill_depths(executor, depth, *camera_, depth_);
+  if (depths.empty()) fill_depths(executor, depth, *camera_, depth_);
+  else depth_.assign(depths.begin(), depths.end());
   same_view_ = before_ && camera_->sees_as(*before_);
   if (same_view_) camera_ = before_;  // slow movement is compared with the place where it began, until it counts
-  if (before_ && !same_view_) find_way();
+  from_.resize(size_t{width_} * height_);
+  tiles_from_.resize(size_t{tile_count(width_)} * tile_count(height_));
+  if (!before_) return;
+  if (!same_view_) find_way();
+  executor.run(tiles_from_.size(), [&](size_t tile, uint32_t) { look_back(tile); });
 }
 
 // Clip coordinates become pixels, over the third; the fourth is the depth along the axis.
@@ -48,7 +57,7 @@ bool PixelTrail::was_there(glm::ivec2 at, float depth) const {
 
 // Searches the four pixels around a position whose nearest pixel showed another surface. On a plane the inverse depth
 // (in orthographic views the depth) is linear in the picture, so interpolating the four is exact if all show one plane.
-uint32_t PixelTrail::search(glm::vec2 at, float depth) const {
+glm::ivec2 PixelTrail::search(glm::vec2 at, float depth) const {
   const glm::ivec2 corner(at), last(static_cast<int>(width_) - 1, static_cast<int>(height_) - 1);
   const glm::ivec2 beyond = glm::min(corner + 1, last), chosen = glm::min(glm::ivec2(glm::floor(at + rounding_)), last);
   const glm::vec2 part = at - glm::vec2(corner);
@@ -60,21 +69,34 @@ uint32_t PixelTrail::search(glm::vec2 at, float depth) const {
   const float below = glm::mix(linear(corner.x, corner.y), linear(beyond.x, corner.y), part.x);
   const float above = glm::mix(linear(corner.x, beyond.y), linear(beyond.x, beyond.y), part.x);
   const float mean = glm::mix(below, above, part.y), share = inverse ? mean * depth : mean / depth;
-  if (std::abs(share - 1.0f) <= same_depth) return index(chosen);
+  if (std::abs(share - 1.0f) <= same_depth) return chosen;
   for (int i = 0; i < 4; ++i) {
     const glm::ivec2 p(i & 1 ? beyond.x : corner.x, i & 2 ? beyond.y : corner.y);
-    if (was_there(p, depth)) return index(p);
+    if (was_there(p, depth)) return p;
   }
-  return nowhere;
+  return glm::ivec2(-1);
 }
 
-void PixelTrail::look_back(uint32_t x, uint32_t y, uint32_t count, Row& from) const {
+void PixelTrail::look_back(size_t tile) {
+  const uint32_t columns = tile_count(width_);
+  const auto x = static_cast<uint32_t>(tile % columns) * frame_tile_size, y = static_cast<uint32_t>(tile / columns) * frame_tile_size;
+  const uint32_t across = std::min(frame_tile_size, width_ - x);
+  glm::ivec2 least(INT32_MAX), most(-1);
+  for (uint32_t row = y; row < std::min(y + frame_tile_size, height_); ++row) look_back(x, row, across, least, most);
+  tiles_from_[tile] = {glm::uvec2(1), glm::uvec2(0)};
+  if (most.x >= 0) tiles_from_[tile] = {glm::uvec2(least) / frame_tile_size, glm::uvec2(most) / frame_tile_size};
+}
+
+// Finds pixels of a row of a tile, and between which places they were.
+void PixelTrail::look_back(uint32_t x, uint32_t y, uint32_t count, glm::ivec2& least, glm::ivec2& most) {
   const size_t first = size_t{y} * width_ + x;
   const float* depth = &depth_[first];
+  uint32_t* from = &from_[first];
   if (same_view_) {
     const float* then = &depth_before_[first];
     for (uint32_t i = 0; i < count; ++i)
       from[i] = (std::abs(then[i] - depth[i]) <= same_depth * depth[i]) & (depth[i] > 0.0f) ? static_cast<uint32_t>(first) + i : nowhere;
+    least = glm::min(least, glm::ivec2(x, y)), most = glm::max(most, glm::ivec2(x + count - 1, y));
     return;
   }
   // A loop without branches, which becomes vectors, finds places; the next one looks there.
@@ -94,8 +116,11 @@ void PixelTrail::look_back(uint32_t x, uint32_t y, uint32_t count, Row& from) co
   for (uint32_t i = 0; i < count; ++i) {
     from[i] = nowhere;
     if (!(expected[i] > 0.0f && at_x[i] >= 0.0f && at_y[i] >= 0.0f && at_x[i] <= right && at_y[i] <= top)) continue;
-    const glm::ivec2 chosen(std::min(at_x[i] + rounding_.x, right), std::min(at_y[i] + rounding_.y, top));
-    from[i] = was_there(chosen, expected[i]) ? index(chosen) : search({at_x[i], at_y[i]}, expected[i]);
+    glm::ivec2 chosen(std::min(at_x[i] + rounding_.x, right), std::min(at_y[i] + rounding_.y, top));
+    if (!was_there(chosen, expected[i])) chosen = search({at_x[i], at_y[i]}, expected[i]);
+    if (chosen.x < 0) continue;
+    from[i] = index(chosen);
+    least = glm::min(least, chosen), most = glm::max(most, chosen);
   }
 }
 

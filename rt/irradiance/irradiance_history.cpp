@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "rt/base/pixels.h"
 #include "rt/scene/scene_difference.h"
@@ -18,27 +19,46 @@ void IrradianceHistory::begin(const IrradianceRequest& r, TracedScene& scene) {
   std::shared_ptr<const model::Snapshot> committed = scene.committed();
   again_ = r.sequence == SequenceStep::again && width_ == r.width && height_ == r.height && number_ > 0;
   if (again_) {
-    settled_ = settled_ && FrameCamera(r.view, r.width, r.height).sees_as(trail_.camera());
+    settled_ = settled_ && FrameCamera(r.view, r.width, r.height).sees_as(trail().camera());
     return;
   }
   follows_ = known_ && r.sequence != SequenceStep::first && r.width == width_ && r.height == height_ &&
              r.shadows == shadows_ && differ_in_places_only(*committed_, *committed);
-  counted_ = committed_ == committed ? static_cast<float>(most_samples) : most_samples_moving;
+  changed_ = changed_ || committed_ != committed;
   known_ = false;
-  const glm::dvec3 origin = scene.shading().snapshot->origin;
-  moved_ = glm::vec3(origin_ - origin);
-  origin_ = origin;
-  // The frames of a position fill the same cells.
-  if (!(follows_ && r.position_frames > 1)) std::swap(before_, after_);
+  origin_ = scene.shading().snapshot->origin;
   number_ = follows_ ? number_ + 1 : 1;
   if (!follows_) turns_.assign(size_t{tile_count(r.width)} * tile_count(r.height), 0);
-  trail_.begin(r.view, r.depth, {r.width, r.height}, origin, follows_, scene.executor());
-  stands_still_ = follows_ && trail_.same_view() && posed_ == scene.shading().snapshot;
+  width_ = r.width, height_ = r.height, shadows_ = r.shadows;
+  committed_ = std::move(committed);
+  cells_known_ = cells_known_ && follows_;
+  cells_begun_ = false;
+  const bool was_in_parts = std::exchange(in_parts_, is_bounded(r.work) && r.position_frames == 0);
+  if (in_parts_) {
+    shown_ = r.frame.trail ? r.frame.trail : &own_trail_;
+    shown_->begin(r.view, r.depth, {width_, height_}, origin_, r.sequence != SequenceStep::first, scene.executor(), r.frame.number);
+    carries_image_ = shown_->follows(std::exchange(step_, shown_->step())) && was_in_parts && follows_;
+  } else {
+    begin_cells(r, scene.executor());
+  }
+  stands_still_ = follows_ && trail().same_view() && posed_ == scene.shading().snapshot;
   if (!stands_still_) turns_at_rest_.assign(turns_.size(), 0);
   settled_ = r.position_frames == 0 && std::ranges::all_of(turns_at_rest_, [](uint8_t turns) { return turns == most_samples; });
   posed_ = scene.shading().snapshot;
-  width_ = r.width, height_ = r.height, shadows_ = r.shadows;
-  committed_ = std::move(committed);
+}
+
+void IrradianceHistory::begin_cells(const IrradianceRequest& r, Executor& executor) {
+  counted_ = changed_ ? most_samples_moving : static_cast<float>(most_samples);
+  changed_ = false;
+  cells_follow_ = cells_known_;
+  cells_begun_ = true;
+  moved_ = glm::vec3(cells_origin_ - origin_);
+  cells_origin_ = origin_;
+  // The frames of a position fill the same cells.
+  if (!(cells_follow_ && r.position_frames > 1)) std::swap(before_, after_);
+  after_.fit(width_, height_);
+  const std::span<const float> depths = in_parts_ ? std::span<const float>(shown_->depths()) : std::span<const float>();
+  trail_.begin(r.view, r.depth, {width_, height_}, origin_, cells_follow_, executor, 0, depths);
 }
 
 void IrradianceHistory::traced(size_t tile) {
@@ -57,11 +77,10 @@ void IrradianceHistory::look_back(size_t tile, const std::vector<glm::u16vec2>& 
       const size_t cell = size_t{y} * cells.columns + x;
       const CellPlace& place = cells.places[cell];
       cells.lights[cell] = {};
-      if (!follows_ || !(place.width > 0.0f)) continue;
-      PixelTrail::Row from;
-      trail_.look_back(pixels[cell].x, pixels[cell].y, 1, from);
-      if (from[0] == PixelTrail::nowhere) continue;
-      const size_t then = size_t{from[0] / width_ / cell_side} * cells.columns + from[0] % width_ / cell_side;
+      if (!cells_follow_ || !(place.width > 0.0f)) continue;
+      const uint32_t from = *trail_.from(pixels[cell].x, pixels[cell].y);
+      if (from == PixelTrail::nowhere) continue;
+      const size_t then = size_t{from / width_ / cell_side} * cells.columns + from % width_ / cell_side;
       CellPlace was = before_.places[then];
       was.position += moved_;
       // The pixel of the cell that was traced may show another surface than the one found.
@@ -83,21 +102,24 @@ void IrradianceHistory::look_back(size_t tile, const std::vector<glm::u16vec2>& 
 void IrradianceHistory::keep() {
   std::ranges::fill(turns_, number_);
   if (again_) return;
-  std::swap(before_, after_);
+  if (cells_begun_) std::swap(before_, after_);
   known_ = true;
 }
 
 void IrradianceHistory::end() {
-  if (!again_) known_ = true;
+  if (again_) return;
+  known_ = true;
+  cells_known_ = cells_known_ || cells_begun_;
 }
 
 uint32_t IrradianceHistory::rows_in(const WorkTime& work) const {
   const uint32_t columns = tile_count(width_), rows = tile_count(height_);
   if (work.pieces) return std::clamp<uint32_t>(static_cast<uint32_t>(std::max(work.pieces->load(), int64_t{0})) / columns, 1, rows);
   if (!has_deadline(work.deadline)) return rows;
-  if (row_ms_ <= 0.0) return 1;
+  const uint32_t least = is_over(work) ? 0 : 1;
+  if (row_ms_ <= 0.0) return least;
   const double left = std::chrono::duration<double, std::milli>(work.deadline - Deadline::clock::now()).count();
-  return static_cast<uint32_t>(std::clamp(left / row_ms_, 1.0, static_cast<double>(rows)));
+  return static_cast<uint32_t>(std::clamp(left / row_ms_, static_cast<double>(least), static_cast<double>(rows)));
 }
 
 void IrradianceHistory::took(double ms, uint32_t rows) {
@@ -113,6 +135,7 @@ TileRows IrradianceHistory::next_rows(const WorkTime& work) const {
   uint32_t first = rows / 2;
   for (uint32_t row = 0; row < rows; ++row)
     if (turns[row] < turns[first]) first = row;
+  if (wanted == 0) return {};
   TileRows chosen{first, first + 1};
   while (chosen.end - chosen.first < wanted) {
     const bool has_below = chosen.first > 0, has_above = chosen.end < rows;
@@ -122,8 +145,9 @@ TileRows IrradianceHistory::next_rows(const WorkTime& work) const {
   return chosen;
 }
 
-// Takes for a cell what is known of the surface that one of its pixels shows, which was at `from`; false where that is nothing.
-bool IrradianceHistory::carry(glm::uvec2 pixel, uint32_t from) {
+// Takes for a cell what is known of the surface that one of its pixels shows; false where that is nothing.
+bool IrradianceHistory::carry(glm::uvec2 pixel) {
+  const uint32_t from = *trail_.from(pixel.x, pixel.y);
   if (from == PixelTrail::nowhere) return false;
   const FrameCamera& camera = trail_.camera();
   const size_t then = size_t{from / width_ / cell_side} * after_.columns + from % width_ / cell_side;
@@ -139,44 +163,44 @@ bool IrradianceHistory::carry(glm::uvec2 pixel, uint32_t from) {
   return true;
 }
 
-void IrradianceHistory::carry_cells(Executor& executor) {
+void IrradianceHistory::carry_cells(const IrradianceRequest& r, Executor& executor) {
+  if (in_parts_) begin_cells(r, executor);
   executor.run(after_.rows, [&](size_t row, uint32_t) {
-    std::fill_n(&after_.places[row * after_.columns], after_.columns, CellPlace{});
-    std::fill_n(&after_.lights[row * after_.columns], after_.columns, CellLight{});
     const uint32_t y = static_cast<uint32_t>(row) * cell_side, above = std::min(y + 1, height_ - 1);
-    PixelTrail::Row from, from_above;
-    for (uint32_t x0 = 0; follows_ && x0 < width_; x0 += frame_tile_size) {
-      const uint32_t pixels = std::min(frame_tile_size, width_ - x0);
-      trail_.look_back(x0, y, pixels, from);
-      trail_.look_back(x0, above, pixels, from_above);
-      for (uint32_t i = 0; i < pixels; i += cell_side) {
-        const uint32_t beside = std::min(i + 1, pixels - 1);
-        (void)(carry({x0 + i, y}, from[i]) || carry({x0 + beside, y}, from[beside]) ||
-               carry({x0 + i, above}, from_above[i]) || carry({x0 + beside, above}, from_above[beside]));
-      }
+    for (uint32_t column = 0; column < after_.columns; ++column) {
+      const uint32_t x = column * cell_side, beside = std::min(x + 1, width_ - 1);
+      if (cells_follow_ && (carry({x, y}) || carry({beside, y}) || carry({x, above}) || carry({beside, above}))) continue;
+      after_.places[row * after_.columns + column] = {};
+      after_.lights[row * after_.columns + column] = {};
     }
   });
 }
 
-void IrradianceHistory::carry_image(PixelRows but, Executor& executor, IrradianceImage& image) {
-  const size_t halfs = size_t{4} * width_ * height_;
+void IrradianceHistory::begin_image(IrradianceImage& image) {
   std::swap(image.light, light_then_);
-  image.light.resize(halfs);
-  const bool known = follows_ && light_then_.size() == halfs;
-  executor.run(height_, [&](size_t row, uint32_t) {
-    const auto y = static_cast<uint32_t>(row);
-    if (y >= but.first && y < but.end) return;
-    PixelTrail::Row from;
-    for (uint32_t x0 = 0; x0 < width_; x0 += frame_tile_size) {
-      const uint32_t pixels = std::min(frame_tile_size, width_ - x0);
-      uint16_t* light = &image.light[4 * (row * width_ + x0)];
-      std::fill_n(light, 4 * pixels, uint16_t{0});
-      if (!known) continue;
-      trail_.look_back(x0, y, pixels, from);
-      for (uint32_t i = 0; i < pixels; ++i)
-        if (from[i] != PixelTrail::nowhere) std::copy_n(&light_then_[size_t{4} * from[i]], 4, light + size_t{4} * i);
+  image.light.resize(size_t{4} * width_ * height_);
+  carries_image_ = carries_image_ && light_then_.size() == image.light.size();
+}
+
+void IrradianceHistory::carry_tile(uint32_t tile, IrradianceImage& image, Counters& counters) const {
+  const uint32_t columns = tile_count(width_), x0 = tile % columns * frame_tile_size, y0 = tile / columns * frame_tile_size;
+  const uint32_t across = std::min(frame_tile_size, width_ - x0);
+  for (uint32_t y = y0; y < std::min(y0 + frame_tile_size, height_); ++y) {
+    const uint32_t* from = shown_->from(x0, y);
+    const float* depth = &depths()[size_t{y} * width_ + x0];
+    uint16_t* light = &image.light[4 * (size_t{y} * width_ + x0)];
+    uint32_t older = 0, drawn = 0;
+    for (uint32_t i = 0; i < across; ++i, light += 4) {
+      drawn += depth[i] > 0.0f;
+      const bool known = carries_image_ && from[i] != PixelTrail::nowhere;
+      if (known) std::copy_n(&light_then_[size_t{4} * from[i]], 4, light);
+      else std::fill_n(light, 4, uint16_t{0});
+      older += known && light[3] != 0;
     }
-  });
+    counters.irradiance_pixels_older += older;
+    counters.irradiance_pixels_late += drawn - older;
+    if (drawn > 0) counters.frames_waiting = std::max<uint64_t>(counters.frames_waiting, number_ - turns_[tile]);
+  }
 }
 
 }  // namespace sideray::rt

@@ -1,6 +1,7 @@
 // Adds up the samples of a sequence's frames: a cell goes on with the mean that its surface had in the frame before, wherever
-// the camera has gone. Under a budget a frame finds the places of some rows of tiles anew, and carries the others along. One
-// object a sequence. One thread begins and ends a frame; any may look back.
+// the camera has gone. Under a budget a frame finds the places of some rows of tiles anew, and carries the others along; one
+// without time for that leaves the cells where they were, and carries the image alone. One object a sequence. One thread begins
+// and ends a frame; any may look back.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "model/snapshot.h"
+#include "rt/base/counters.h"
 #include "rt/history/pixel_trail.h"
 #include "rt/embree/intersector.h"
 #include "rt/irradiance/cell_walls.h"
@@ -40,7 +42,7 @@ class IrradianceHistory {
   IrradianceCells& cells() { return after_; }
   CellWalls& walls() { return walls_; }
   // As fill_depths() finds them.
-  std::span<const float> depths() const { return trail_.depths(); }
+  std::span<const float> depths() const { return trail().depths(); }
   // Memory of a thread that looks back.
   struct Scratch {
     std::vector<Ray> rays;
@@ -53,16 +55,17 @@ class IrradianceHistory {
                  IrradianceCells& cells) const;
 
   // Returns the rows of tiles whose turn it is, next to each other: those that waited longest, from the middle of the picture
-  // outward, and as many as there is time for.
+  // outward, and as many as there is time for, which may be none.
   TileRows next_rows(const WorkTime& work) const;
-  // How many rows there is time for, at least one.
+  // How many rows there is time for, at least one where one is to be traced in any case.
   uint32_t rows_in(const WorkTime& work) const;
   // Learns how long rows took.
   void took(double ms, uint32_t rows);
-  // Fills all cells with what is known of the surface that they show, places included.
-  void carry_cells(Executor& executor);
-  // Fills the rest of the image with the last one's, where its surface was in that.
-  void carry_image(PixelRows but, Executor& executor, IrradianceImage& image);
+  // Puts the cells into this frame: fills them with what is known of the surface that they show, places included.
+  void carry_cells(const IrradianceRequest& request, Executor& executor);
+  // Fills tiles of the image with the last one's, where their surface was in that. Counts their pixels.
+  void begin_image(IrradianceImage& image);
+  void carry_tile(uint32_t tile, IrradianceImage& image, Counters& counters) const;
   // Rows of tiles of a position of a still view that are filtered, of those that are traced.
   uint32_t filtered_rows = 0;
 
@@ -72,11 +75,16 @@ class IrradianceHistory {
   void end();
 
  private:
-  bool carry(glm::uvec2 pixel, uint32_t from);
+  const PixelTrail& trail() const { return in_parts_ ? *shown_ : trail_; }
+  void begin_cells(const IrradianceRequest& request, Executor& executor);
+  bool carry(glm::uvec2 pixel);
 
   static constexpr uint32_t most_samples = 32;  // more say little more
 
   bool settled_ = false, known_ = false, follows_ = false;
+  bool in_parts_ = false;     // the image is carried, the cells only where rows are traced
+  bool cells_known_ = false, cells_begun_ = false, cells_follow_ = false;
+  bool changed_ = false;      // something may have moved since the cells' frame
   float counted_ = 0.0f;      // samples that are counted at most
   bool stands_still_ = false;
   std::vector<uint8_t> turns_at_rest_;  // of each tile, since something moved
@@ -85,13 +93,17 @@ class IrradianceHistory {
   uint32_t width_ = 0, height_ = 0, number_ = 0;
   bool shadows_ = false;
   std::shared_ptr<const model::Snapshot> committed_;
-  PixelTrail trail_;
+  PixelTrail trail_, own_trail_;    // of the cells; and of the image, where frames are traced in parts
+  PixelTrail* shown_ = &own_trail_;
+  uint64_t step_ = 0;               // of shown_ in the last frame
+  bool carries_image_ = false;
   bool again_ = false;
-  glm::dvec3 origin_{0.0};    // of the local space of after_
+  glm::dvec3 origin_{0.0};    // of the local space of the frame
+  glm::dvec3 cells_origin_{0.0};  // of after_'s
   glm::vec3 moved_{0.0f};     // that of before_, less this frame's
   IrradianceCells before_, after_;  // what is known before the frame, and after it
   CellWalls walls_;
-  std::vector<uint16_t> light_then_;  // memory of carry_image()
+  std::vector<uint16_t> light_then_;  // the image of the frame before
   std::vector<uint32_t> turns_;
 };
 

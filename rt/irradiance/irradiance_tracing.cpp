@@ -265,14 +265,13 @@ TraceEnd IrradianceTracing::trace_tile(const Frame& f, Worker& w, uint32_t tile)
   return TraceEnd::complete;
 }
 
-// Counts the pixels of a tile that had no turn; known(x, y): whether they have an answer of earlier frames.
-template <typename Known>
-void IrradianceTracing::count_left(const Frame& f, Worker& w, uint32_t tile, const Known& known) {
+// Counts the pixels of a tile that had no turn: their cells may have samples of earlier frames.
+void IrradianceTracing::count_left(const Frame& f, Worker& w, uint32_t tile) {
   const uint32_t x0 = tile % f.columns * tile_size, y0 = tile / f.columns * tile_size, width = f.request.width;
   for (uint32_t y = y0; y < std::min(y0 + tile_size, f.request.height); ++y)
     for (uint32_t x = x0; x < std::min(x0 + tile_size, width); ++x) {
       if (!(f.depths[size_t{y} * width + x] > 0.0f)) continue;
-      ++(known(x, y) ? w.counters.irradiance_pixels_older : w.counters.irradiance_pixels_late);
+      ++(f.has_samples(x, y) ? w.counters.irradiance_pixels_older : w.counters.irradiance_pixels_late);
     }
   if (!f.history) return;
   const uint64_t waits = f.history->frame() - f.history->turns()[tile];
@@ -296,36 +295,37 @@ void IrradianceTracing::trace_all(const Frame& f, const std::vector<uint8_t>& tr
       [&](uint32_t tile, uint32_t thread) { trace_tile(f, workers_[thread], tile); },
       [&](uint32_t tile, uint32_t thread, bool is_traced) {
         if (f.history && is_traced) f.history->traced(tile);
-        if (!is_traced) count_left(f, workers_[thread], tile, [&](uint32_t x, uint32_t y) { return f.has_samples(x, y); });
+        if (!is_traced) count_left(f, workers_[thread], tile);
       });
 }
 
-// Traces the rows of tiles whose turn it is, as a whole: a row costs little, and the filter needs what is beside. All others
-// show what they showed.
+// Traces and filters the rows of tiles whose turn it is: the filter needs what is beside. All others show what they showed.
 TileRows IrradianceTracing::trace_rows(const Frame& f, Executor& executor, IrradianceImage& image) {
   const IrradianceRequest& r = f.request;
   const uint32_t rows = tile_count(r.height);
   const TileRows chosen = f.history->next_rows(r.work);
-  f.history->carry_cells(executor);
-  f.history->carry_image(pixels_of(chosen, r.height), executor, image);
-  const auto is_shown = [&](uint32_t x, uint32_t y) { return image.light[4 * (size_t{y} * r.width + x) + 3] != 0; };
-  const TileRows around{chosen.first - std::min(chosen.first, 1u), std::min(chosen.end + 1, rows)};
+  const bool traces = chosen.first < chosen.end;
+  if (traces) f.history->carry_cells(r, executor);
+  f.history->begin_image(image);
+  const auto is_around = [&](uint32_t row) { return traces && row + 1 >= chosen.first && row <= chosen.end; };
   executor.run(size_t{rows} * f.columns, [&](size_t index, uint32_t thread) {
     const auto tile = static_cast<uint32_t>(index), row = tile / f.columns;
     if (row >= chosen.first && row < chosen.end) return;
-    if (row >= around.first && row < around.end) prepare(f, workers_[thread], tile);
-    count_left(f, workers_[thread], tile, is_shown);
+    f.history->carry_tile(tile, image, workers_[thread].counters);
+    if (is_around(row)) prepare(f, workers_[thread], tile);
   });
+  if (!traces) return chosen;
   std::vector<uint32_t> order(size_t{chosen.end - chosen.first} * f.columns);
   std::iota(order.begin(), order.end(), chosen.first * f.columns);
   order_by_turns(f.history->turns(), order);
-  const WorkTime work{.pieces = r.work.pieces};
+  // What has no time for a row traces half of it.
+  const WorkTime work{.deadline = r.work.deadline, .least_pieces = r.work.pieces ? 0 : (f.columns + 1) / 2, .pieces = r.work.pieces};
   for_light_tiles(
       r, work, executor, order, {}, [&](uint32_t tile, uint32_t thread) { prepare(f, workers_[thread], tile); },
       [&](uint32_t tile, uint32_t thread) { trace_tile(f, workers_[thread], tile); },
       [&](uint32_t tile, uint32_t thread, bool is_traced) {
         if (is_traced) f.history->traced(tile);
-        else count_left(f, workers_[thread], tile, [&](uint32_t x, uint32_t y) { return f.has_samples(x, y); });
+        else count_left(f, workers_[thread], tile);
       });
   return chosen;
 }
@@ -334,7 +334,7 @@ TileRows IrradianceTracing::trace_rows(const Frame& f, Executor& executor, Irrad
 TileRows IrradianceTracing::trace_position(const Frame& f, Executor& executor) {
   const IrradianceRequest& r = f.request;
   IrradianceHistory& history = *f.history;
-  if (r.position_frames == 1 || history.frame() == 1) history.carry_cells(executor), history.filtered_rows = 0;
+  if (r.position_frames == 1 || history.frame() == 1) history.carry_cells(r, executor), history.filtered_rows = 0;
   const std::vector<uint32_t>& turns = history.turns();
   std::vector<uint8_t> lacking(turns.size());
   for (size_t tile = 0; tile < turns.size(); ++tile) lacking[tile] = turns[tile] == 0 || history.frame() - turns[tile] >= r.position_frames;
@@ -347,7 +347,7 @@ TileRows IrradianceTracing::trace_position(const Frame& f, Executor& executor) {
       },
       [&](uint32_t tile, uint32_t thread, bool is_traced) {
         if (is_traced) return history.traced(tile);
-        count_left(f, workers_[thread], tile, [&](uint32_t x, uint32_t y) { return f.has_samples(x, y); });
+        count_left(f, workers_[thread], tile);
         is_whole = false;
       });
   if (!is_whole) return {};

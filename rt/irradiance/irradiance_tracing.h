@@ -32,8 +32,7 @@ class IrradianceTracing {
   static void see_through_veils(const Frame& frame, Worker& worker);
   TraceEnd trace_tile(const Frame& frame, Worker& worker, uint32_t tile);
   static Counters keep(IrradianceHistory& history, const IrradianceRequest& request);
-  template <typename Known>
-  static void count_left(const Frame& frame, Worker& worker, uint32_t tile, const Known& known);
+  static void count_left(const Frame& frame, Worker& worker, uint32_t tile);
   Counters trace_frame(const IrradianceRequest& request, TracedScene& scene, IrradianceHistory* history,
                        const std::vector<uint8_t>& traced, IrradianceImage& image);
   void trace_all(const Frame& frame, const std::vector<uint8_t>& traced, Executor& executor);

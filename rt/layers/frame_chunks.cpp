@@ -32,6 +32,15 @@ std::vector<uint32_t> cut(const std::vector<PixelRequest>& pixels, size_t most, 
   return starts;
 }
 
+// Calls work(first chunk, end, thread) for parts of them: what is done for a chunk without tracing it costs less than a call.
+template <typename Work>
+void for_parts(size_t chunks, Executor& executor, const Work& work) {
+  constexpr size_t chunks_in_part = 64;
+  executor.run((chunks + chunks_in_part - 1) / chunks_in_part, [&](size_t part, uint32_t thread) {
+    work(part * chunks_in_part, std::min((part + 1) * chunks_in_part, chunks), thread);
+  });
+}
+
 }  // namespace
 
 void FrameChunks::gather(const LayerRequest& request, const PixelSelection& selection, Executor& executor) {
@@ -40,15 +49,14 @@ void FrameChunks::gather(const LayerRequest& request, const PixelSelection& sele
   first_parts_ = 1;
   const bool bounded = is_bounded(request.work);
   starts_ = cut(frame_.pixels, bounded ? pixels_in_late_chunk : pixels_in_chunk(frame_.pixels.size()), bounded);
-  if (bounded) order_ = order_of_importance(frame_.pixels, starts_, request.width, request.height);
+  if (bounded && !is_over(request.work)) order_ = order_of_importance(frame_.pixels, starts_, request.width, request.height);
 }
 
 void FrameChunks::take_turns(const LayerRequest& request, const LastTurn& last_turn, Executor& executor) {
-  constexpr size_t chunks_in_piece = 64;
+  if (is_over(request.work)) return;
   std::vector<uint32_t> turns(count());
-  executor.run((turns.size() + chunks_in_piece - 1) / chunks_in_piece, [&](size_t piece, uint32_t) {
-    const size_t first = piece * chunks_in_piece;
-    for (size_t i = first; i < std::min(first + chunks_in_piece, turns.size()); ++i) turns[i] = last_turn(chunk(i));
+  for_parts(turns.size(), executor, [&](size_t first, size_t end, uint32_t) {
+    for (size_t i = first; i < end; ++i) turns[i] = last_turn(chunk(i));
   });
   order_by_turns(turns, order_);
   if (request.work.ends_in_time && !order_.empty()) cut_first();
@@ -75,8 +83,17 @@ std::span<const PixelRequest> FrameChunks::chunk(size_t index) const {
 
 TraceEnd FrameChunks::run(const LayerRequest& request, Executor& executor, const Trace& trace, const Leave& leave,
                           Counters& counters) const {
-  std::atomic<bool> cancelled{false};
   std::atomic<uint64_t> late{0};
+  if (is_over(request.work)) {
+    for_parts(count(), executor, [&](size_t first, size_t end, uint32_t thread) {
+      uint64_t left = 0;
+      for (size_t i = first; i < end; ++i) left += leave ? leave(chunk(i), thread) : chunk(i).size();
+      late += left;
+    });
+    counters.pixels_late += late;
+    return request.cancelled && request.cancelled->load() ? TraceEnd::cancelled : TraceEnd::complete;
+  }
+  std::atomic<bool> cancelled{false};
   WorkTime work = request.work;
   if (work.least_pieces > 0) work.least_pieces += first_parts_ - 1;
   WorkClock clock(work);

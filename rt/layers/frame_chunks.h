@@ -36,7 +36,7 @@ class FrameChunks {
   // Returns how many pixels of a chunk that was skipped have no answer.
   using Leave = std::function<uint64_t(std::span<const PixelRequest> pixels, uint32_t thread)>;
   // Calls `trace` for the chunks, under a deadline in their order, until the request is cancelled or late, and then `leave`,
-  // which may be empty: then none of its pixels has an answer. Returns whether the frame was cancelled, otherwise complete;
+  // which may be empty: then none of its pixels has an answer. Without time for a single one `trace` may be empty. Returns whether the frame was cancelled, otherwise complete;
   // counts pixels_late.
   TraceEnd run(const LayerRequest& request, Executor& executor, const Trace& trace, const Leave& leave,
                Counters& counters) const;

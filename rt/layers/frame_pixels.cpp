@@ -163,20 +163,20 @@ class Gatherer {
   std::vector<PixelRequest>& pixels_;
 };
 
-// Joins the rows' pixels in order.
-void join_rows(Executor& executor, FramePixels& frame) {
+// Joins the parts' pixels in order.
+void join_parts(Executor& executor, FramePixels& frame) {
   frame.masked = frame.requested = 0;
   size_t pixels = 0;
-  for (FramePixels::Row& row : frame.rows) {
-    row.first = pixels;
-    pixels += row.pixels.size();
-    frame.masked += row.masked;
-    frame.requested += row.requested;
+  for (FramePixels::Part& part : frame.parts) {
+    part.first = pixels;
+    pixels += part.pixels.size();
+    frame.masked += part.masked;
+    frame.requested += part.requested;
   }
   frame.pixels.resize(pixels);
-  executor.run(frame.rows.size(), [&](size_t i, uint32_t) {
-    const FramePixels::Row& row = frame.rows[i];
-    std::ranges::copy(row.pixels, frame.pixels.begin() + static_cast<ptrdiff_t>(row.first));
+  executor.run(frame.parts.size(), [&](size_t i, uint32_t) {
+    const FramePixels::Part& part = frame.parts[i];
+    std::ranges::copy(part.pixels, frame.pixels.begin() + static_cast<ptrdiff_t>(part.first));
   });
 }
 
@@ -203,22 +203,25 @@ PixelSelection selection_of(const CacheRequest& request) {
 void gather_pixels(const LayerRequest& request, const PixelSelection& selection, Executor& executor,
                    FramePixels& frame) {
   check(request, selection);
+  // Rows in parts: most of what is translucent may lie in few of them.
+  constexpr uint32_t parts = 4;
   const uint32_t columns = tile_count(request.width), rows = tile_count(request.height);
   frame.tiles.assign(size_t{columns} * rows, 0);
-  frame.rows.resize(rows);
-  executor.run(rows, [&](size_t row, uint32_t) {
-    FramePixels::Row& found = frame.rows[row];
+  frame.parts.resize(size_t{rows} * parts);
+  executor.run(frame.parts.size(), [&](size_t index, uint32_t) {
+    const auto row = static_cast<uint32_t>(index / parts), part = static_cast<uint32_t>(index % parts);
+    FramePixels::Part& found = frame.parts[index];
     found.pixels.clear();
     Gatherer gatherer(request, selection, found.pixels);
-    for (uint32_t column = 0; column < columns; ++column) {
+    for (uint32_t column = part * columns / parts; column < (part + 1) * columns / parts; ++column) {
       const size_t before = found.pixels.size();
-      gatherer.gather_tile(column * LayerCache::tile_size, static_cast<uint32_t>(row) * LayerCache::tile_size);
-      frame.tiles[row * columns + column] = found.pixels.size() > before;
+      gatherer.gather_tile(column * LayerCache::tile_size, row * LayerCache::tile_size);
+      frame.tiles[size_t{row} * columns + column] = found.pixels.size() > before;
     }
     found.masked = gatherer.masked;
     found.requested = gatherer.requested;
   });
-  join_rows(executor, frame);
+  join_parts(executor, frame);
 }
 
 }  // namespace sideray::rt

@@ -343,6 +343,7 @@ void MaskFilters::run(Executor& executor, const MaskRequest& r, Frame& frame) co
 
 void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::Snapshot& snapshot,
                          OcclusionMasks& masks) {
+  if (r.traced && r.traced->none()) return frames_.skip();
   if (!frames_.next(executor, r, snapshot, frame_)) return;
   const size_t pixels = size_t{masks.width} * masks.height;
   const size_t tiles = size_t{masks.filter_columns()} * masks.filter_rows();

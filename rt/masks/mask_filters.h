@@ -41,6 +41,11 @@ class FilterFrames {
   // Fills `frame` for the next view; returns false where this view, being orthographic, cannot be filtered. `follows`:
   // there is an earlier frame.
   bool next(Executor& executor, const MaskRequest& request, const model::Snapshot& snapshot, FilterFrame& frame);
+  // A frame is not filtered: the next one follows none.
+  void skip() {
+    camera_.reset();
+    ++number_;
+  }
   const FrameCamera& camera() const { return *camera_; }
   bool follows() const { return before_.has_value(); }
   // Returns whether the frame follows the one that a light's filter filtered last: a light's masks need not be

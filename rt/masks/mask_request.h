@@ -3,6 +3,7 @@
 // row.
 #pragma once
 
+#include <algorithm>
 #include <sideray/sideray.h>
 
 #include <atomic>
@@ -17,6 +18,7 @@
 #include "rt/base/opaque_point.h"
 #include "rt/base/sequence.h"
 #include "rt/base/view.h"
+#include "rt/history/pixel_trail.h"
 
 namespace sideray::rt {
 
@@ -31,6 +33,10 @@ struct WantedTiles;
 struct TracedTiles {
   std::span<const uint8_t> of_lights, of_sky;  // row by row
   bool are_most;                               // they are half of the tiles or more
+  bool none() const {
+    const auto is_not = [](uint8_t tile) { return tile == 0; };
+    return !are_most && std::ranges::all_of(of_lights, is_not) && std::ranges::all_of(of_sky, is_not);
+  }
 };
 
 // What sideray_mask_inputs_init() fills in.
@@ -63,6 +69,7 @@ struct MaskRequest : sideray_mask_inputs {
   uint32_t seed = 1;
   const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
   WorkTime work;                                 // of lights and of the sky: tiles that it does not let begin are given up
+  ViewFrame frame{};            // of `older`
   OlderMasks* older = nullptr;  // of the sequence: tiles without a turn show their history; null: they are lit
   const WantedTiles* wanted = nullptr;  // null: all tiles are; otherwise neither `kept` nor `older` reuses anything
 };

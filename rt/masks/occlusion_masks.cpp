@@ -158,7 +158,7 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
     std::vector<uint32_t> lacking = tracer.turns(OlderMasks::of_sky);
     std::erase_if(lacking, [&](uint32_t tile) { return !older->lacks_sky(tile); });
     WorkTime time = half_of(r.work);
-    time.least_pieces = lacking.size() / least_sampled + 1;
+    time.least_pieces = is_over(r.work) ? 0 : lacking.size() / least_sampled + 1;
     PiecesLeft pieces{r.work.pieces ? r.work.pieces->load() * CoarseSky::across * CoarseSky::across : 0};
     if (r.work.pieces) time.pieces = &pieces, time.least_pieces = 0;
     WorkClock clock(time);

@@ -178,9 +178,10 @@ void OlderMasks::keep_mixed(const MaskRequest& r, Part part, const OcclusionMask
 
 void OlderMasks::begin(const MaskRequest& r, TracedScene& scene, const OcclusionMasks& masks) {
   const model::Snapshot& snapshot = *scene.shading().snapshot;
-  const bool goes_on = follows(r, snapshot);
   complete_ = false;
-  trail_.begin(r.view, r.depth, {r.width, r.height}, snapshot.origin, goes_on, scene.executor());
+  trail_ = r.frame.trail ? r.frame.trail : &own_trail_;
+  trail_->begin(r.view, r.depth, {r.width, r.height}, snapshot.origin, r.sequence != SequenceStep::first, scene.executor(), r.frame.number);
+  const bool goes_on = trail_->follows(std::exchange(step_, trail_->step())) && follows(r, snapshot);
   if (!goes_on) {
     forget();
     fit(r);
@@ -200,8 +201,8 @@ void OlderMasks::begin(const MaskRequest& r, TracedScene& scene, const Occlusion
     parts_[part].shades[now_].resize(planes_of(r, part, masks) * tiles_of(r), all_lit);
   if (!goes_on) return;
   // Reused masks are not traced; they stay as they are as long as nothing moves.
-  if (trail_.same_view()) known_ = moves_;
-  if (trail_.same_view()) return;
+  if (trail_->same_view()) known_ = moves_;
+  if (trail_->same_view()) return;
   now_ = 1 - now_;
   for (const Part part : {of_lights, of_sky}) keep_mixed(r, part, masks, scene.executor());
 }
@@ -301,76 +302,85 @@ bool OlderMasks::most_are_new() const {
   });
 }
 
-// Finds of a tile where its pixels were, and how old their masks are.
-void OlderMasks::look_back(Part part, size_t tile, Trail& found) const {
+// Finds how old the masks of a tile's pixels are.
+void OlderMasks::look_back(Part part, size_t tile, Ages& found) const {
   const TilePixels t(request_, tile);
   const Kept& p = parts_[part];
-  const std::vector<uint8_t>& ages = p.ages[trail_.same_view() ? now_ : 1 - now_];
-  const uint32_t count = t.x1 - t.x0, width = request_.width;
+  const std::vector<uint8_t>& ages = p.ages[trail_->same_view() ? now_ : 1 - now_];
+  const uint32_t count = t.x1 - t.x0;
   const uint8_t step = changed_ ? 1 : 0;
-  found.all_known = found.none_known = true;
-  glm::uvec2 least(UINT32_MAX), most(0);
+  uint32_t known = 0;
   for (uint32_t y = t.y0; y < t.y1; ++y) {
-    PixelTrail::Row& from = found.from[y - t.y0];
-    std::array<uint8_t, tile_side>& age = found.ages[y - t.y0];
-    trail_.look_back(t.x0, y, count, from);
+    const uint32_t* from = trail_->from(t.x0, y);
+    std::array<uint8_t, tile_side>& age = found.of[y - t.y0];
     for (uint32_t i = 0; i < count; ++i) {
-      const bool known = from[i] != PixelTrail::nowhere && ages[from[i]] < oldest;
-      age[i] = known ? static_cast<uint8_t>(ages[from[i]] + step) : no_answer;
-      found.all_known = found.all_known && known;
-      found.none_known = found.none_known && !known;
-      if (!known) continue;
-      const glm::uvec2 at(from[i] % width, from[i] / width);
-      least = glm::min(least, at);
-      most = glm::max(most, at);
+      const uint8_t then = from[i] == PixelTrail::nowhere ? no_answer : ages[from[i]];
+      age[i] = then < oldest ? static_cast<uint8_t>(then + step) : no_answer;
+      known += then < oldest;
     }
   }
-  found.first_tile = least / tile_side;
-  found.last_tile = most / tile_side;
+  found.all_known = known == count * (t.y1 - t.y0);
+  found.none_known = known == 0;
 }
 
 // Returns a plane's values in the previous frame at the reprojected places of a tile's pixels.
-OlderMasks::Shade OlderMasks::shade_there(Part part, uint32_t plane, const Trail& found) const {
+OlderMasks::Shade OlderMasks::shade_there(Part part, uint32_t plane, size_t tile, const Ages& found) const {
   if (found.none_known) return all_lit;
   const std::vector<Shade>& shades = parts_[part].shades[1 - now_];
   const size_t columns = tile_count(request_.width), tiles = tiles_of(request_);
-  const Shade first = shades[plane * tiles + found.first_tile.y * columns + found.first_tile.x];
-  for (uint32_t y = found.first_tile.y; y <= found.last_tile.y; ++y)
-    for (uint32_t x = found.first_tile.x; x <= found.last_tile.x; ++x)
+  const auto& [from, to] = trail_->tiles_from(tile);
+  const Shade first = shades[plane * tiles + from.y * columns + from.x];
+  for (uint32_t y = from.y; y <= to.y; ++y)
+    for (uint32_t x = from.x; x <= to.x; ++x)
       if (shades[plane * tiles + y * columns + x] != first) return mixed;
   return first == all_dark && !found.all_known ? mixed : first;
 }
 
+// Whether all tiles in which a tile's pixels were were mixed.
+bool OlderMasks::were_mixed(Part part, uint32_t plane, size_t tile) const {
+  const std::vector<Shade>& shades = parts_[part].shades[1 - now_];
+  const size_t columns = tile_count(request_.width), tiles = tiles_of(request_);
+  const auto& [from, to] = trail_->tiles_from(tile);
+  for (uint32_t y = from.y; y <= to.y; ++y)
+    for (uint32_t x = from.x; x <= to.x; ++x)
+      if (shades[plane * tiles + y * columns + x] != mixed) return false;
+  return true;
+}
+
 // Writes the history of a tile, unless it is in its place already.
-void OlderMasks::show(const MaskRequest& r, Part part, size_t tile, const Trail& found, OcclusionMasks& masks) {
-  const bool same_view = trail_.same_view();
+void OlderMasks::show(const MaskRequest& r, Part part, size_t tile, const Ages& found, OcclusionMasks& masks) {
+  const bool same_view = trail_->same_view();
   if (same_view && found.all_known) return;
-  const size_t pixels = size_t{r.width} * r.height, tiles = tiles_of(r);
-  const uint32_t y0 = TilePixels(r, tile).y0, lights = light_masks_of(r);
+  const size_t pixels = size_t{r.width} * r.height, tiles = tiles_of(r), columns = tile_count(r.width);
+  const TilePixels t(r, tile);
+  const uint32_t lights = light_masks_of(r);
   Kept& p = parts_[part];
   for_planes(r, part, masks, [&](uint32_t plane, uint8_t* texels, uint32_t layer) {
     if (is_kept(r, layer)) return;
     Shade& shade = p.shades[now_][plane * tiles + tile];
-    const Shade there = same_view ? (found.none_known ? all_lit : mixed) : shade_there(part, plane, found);
+    const Shade there = same_view ? (found.none_known ? all_lit : mixed) : shade_there(part, plane, tile, found);
     const Shade before = std::exchange(shade, there);
     if (there != mixed && there == before) return;
+    const bool all_mixed = !same_view && there == mixed && were_mixed(part, plane, tile);
     // Of tiles around that are all of one kind, `then` holds nothing.
     const auto texel_there = [&](uint32_t from) {
-      const size_t columns = tile_count(r.width);
+      if (all_mixed) return p.then[plane * pixels + from];
       const Shade kind = p.shades[1 - now_][plane * tiles + from / r.width / tile_side * columns + from % r.width / tile_side];
       return kind == mixed ? p.then[plane * pixels + from] : static_cast<uint8_t>(kind);
     };
     for_rows(r, tile, [&](size_t first, uint32_t count) {
-      const auto row = static_cast<uint32_t>(first / r.width) - y0;
       if (there != mixed) {
         std::fill_n(texels + first, count, static_cast<uint8_t>(there));
         return;
       }
+      const auto y = static_cast<uint32_t>(first / r.width);
+      const auto& ages = found.of[y - t.y0];
+      const uint32_t* from = trail_->from(t.x0, y);
       for (uint32_t i = 0; i < count; ++i)
-        if (found.ages[row][i] == no_answer)
+        if (ages[i] == no_answer)
           texels[first + i] = 255;
         else if (!same_view)
-          texels[first + i] = texel_there(found.from[row][i]);
+          texels[first + i] = texel_there(from[i]);
     });
     if (part != of_lights || plane >= lights) return;
     mark_seen(r, tile, plane, masks);
@@ -382,14 +392,16 @@ void OlderMasks::show(const MaskRequest& r, Part part, size_t tile, const Trail&
 }
 
 // Pixels without a mask of the sky take what samples say, and it becomes theirs.
-void OlderMasks::take_samples(const MaskRequest& r, size_t tile, Trail& found, OcclusionMasks& masks) {
+void OlderMasks::take_samples(const MaskRequest& r, size_t tile, Ages& found, OcclusionMasks& masks) {
+  lacks_sky_[tile] = 0;
+  if (found.all_known) return;
   const TilePixels t(r, tile);
   const size_t pixels = size_t{r.width} * r.height;
   uint32_t lacking = 0, shown = 0;
   for (uint32_t y = t.y0; y < t.y1; ++y)
     for (uint32_t x = t.x0; x < t.x1; ++x) {
       const size_t pixel = size_t{y} * r.width + x;
-      uint8_t& age = found.ages[y - t.y0][x - t.x0];
+      uint8_t& age = found.of[y - t.y0][x - t.x0];
       if (!(depths()[pixel] > 0.0f)) continue;
       ++shown;
       if (age != no_answer) continue;
@@ -412,19 +424,20 @@ void OlderMasks::leave(const MaskRequest& r, Part part, size_t tile, OcclusionMa
   const bool knows = moves_[part], counts = part == of_lights || light_masks_of(r) == 0;
   const bool lights_are_new = parts_[of_lights].turns[tile] == number_;
   counters.frames_waiting = std::max<uint64_t>(counters.frames_waiting, number_ - parts_[part].turns[tile]);
-  Trail found;
+  Ages found;
   if (knows) {
     look_back(part, tile, found);
     show(r, part, tile, found, masks);
   } else {
     const std::vector<Shade>& shades = parts_[part].shades[now_];
     for (size_t i = tile; i < shades.size(); i += tiles_of(r)) parts_[part].shades[now_][i] = all_lit;
-    for (auto& ages : found.ages) ages.fill(no_answer);
+    for (auto& ages : found.of) ages.fill(no_answer);
+    found.all_known = false;
   }
   if (part == of_sky) take_samples(r, tile, found, masks);
   const uint32_t y0 = TilePixels(r, tile).y0;
   for_rows(r, tile, [&](size_t first, uint32_t count) {
-    const auto& ages = found.ages[first / r.width - y0];
+    const auto& ages = found.of[first / r.width - y0];
     std::copy_n(ages.begin(), count, &parts_[part].ages[now_][first]);
     if (counts)
       count_row({ages.data(), count}, &depths()[first], counters);

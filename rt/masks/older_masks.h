@@ -32,7 +32,7 @@ class OlderMasks {
   // size reset the history. `masks`: those of the previous frame.
   void begin(const MaskRequest& request, TracedScene& scene, const OcclusionMasks& masks);
   // Returns the depths along the camera's axis of the frame that has begun, as fill_depths() does.
-  const std::vector<float>& depths() const { return trail_.depths(); }
+  const std::vector<float>& depths() const { return trail_->depths(); }
   // Resets the history.
   void forget() {
     known_ = {};
@@ -83,21 +83,20 @@ class OlderMasks {
     std::vector<uint8_t> unfiltered;  // of each tile: its masks are as they were traced
     bool ended = false;
   };
-  // Pixels of a tile, row by row: where they were, and the age of their history.
-  struct Trail {
-    std::array<PixelTrail::Row, frame_tile_size> from;
-    std::array<std::array<uint8_t, frame_tile_size>, frame_tile_size> ages;
+  // Pixels of a tile, row by row: the age of their history.
+  struct Ages {
+    std::array<std::array<uint8_t, frame_tile_size>, frame_tile_size> of;
     bool all_known, none_known;
-    glm::uvec2 first_tile, last_tile;  // between which they were
   };
 
   bool follows(const MaskRequest& request, const model::Snapshot& snapshot) const;
   void fit(const MaskRequest& request);
   void keep_mixed(const MaskRequest& request, Part part, const OcclusionMasks& masks, Executor& executor);
-  void look_back(Part part, size_t tile, Trail& found) const;
-  Shade shade_there(Part part, uint32_t plane, const Trail& found) const;
-  void take_samples(const MaskRequest& request, size_t tile, Trail& found, OcclusionMasks& masks);
-  void show(const MaskRequest& request, Part part, size_t tile, const Trail& found, OcclusionMasks& masks);
+  void look_back(Part part, size_t tile, Ages& found) const;
+  Shade shade_there(Part part, uint32_t plane, size_t tile, const Ages& found) const;
+  bool were_mixed(Part part, uint32_t plane, size_t tile) const;
+  void take_samples(const MaskRequest& request, size_t tile, Ages& found, OcclusionMasks& masks);
+  void show(const MaskRequest& request, Part part, size_t tile, const Ages& found, OcclusionMasks& masks);
 
   std::array<bool, part_count> known_{};  // the masks of the last frame
   std::array<bool, part_count> moves_{};  // ... are moved into this one
@@ -109,7 +108,9 @@ class OlderMasks {
   uint64_t revision_ = 0, opaque_revision_ = 0;
   uint32_t number_ = 0;  // of the frame
   bool changed_ = false, complete_ = false;
-  PixelTrail trail_;
+  PixelTrail own_trail_;
+  PixelTrail* trail_ = &own_trail_;  // of the frame
+  uint64_t step_ = 0;                // of the trail in the last frame
   CoarseSky coarse_sky_;
   std::vector<uint8_t> lacks_sky_;
 };

@@ -13,6 +13,7 @@
 #include "rt/base/opaque_point.h"
 #include "rt/base/sequence.h"
 #include "rt/base/view.h"
+#include "rt/history/pixel_trail.h"
 #include "rt/history/still_frames.h"
 #include "rt/masks/mask_request.h"
 
@@ -29,6 +30,7 @@ struct LightRequest {
   bool shadows = true, denoise = false;
   uint32_t seed = 1;
   SequenceStep sequence = SequenceStep::first;   // of `still` and the history
+  ViewFrame frame{};                             // of the history
   StillFrames* still = nullptr;                  // a frame that is the last one keeps the image; null: it is traced
   const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
   WorkTime work;                                 // tiles that it does not let begin have no turn

@@ -40,6 +40,7 @@ class OlderReflections {
 
  private:
   bool follows(const ReflectionRequest& request, const model::Snapshot& committed) const;
+  void empty(size_t tile, ReflectionImage& image);
   template <typename Work>
   void for_rows(size_t tile, const Work& work) const;
 
@@ -48,8 +49,11 @@ class OlderReflections {
   float max_roughness_ = 0.0f;
   bool shadows_ = false, light_bounces_ = false, denoise_ = false;
   std::shared_ptr<const model::Snapshot> committed_;
-  PixelTrail trail_;
+  PixelTrail own_trail_;
+  PixelTrail* trail_ = &own_trail_;  // of the frame
+  uint64_t step_ = 0;                // of the trail in the last frame
   std::vector<uint16_t> then_;  // the image of the previous frame
+  std::vector<uint8_t> empty_, empty_then_;  // of each tile of both: it holds nothing
   std::vector<uint8_t> ages_, ages_then_;
   std::vector<uint32_t> turns_;
 };

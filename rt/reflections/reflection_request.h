@@ -27,6 +27,8 @@ class NormalTexels {
   std::span<const std::byte> bytes() const { return bytes_; }
   glm::vec4 operator[](size_t texel) const;
   float roughness(size_t texel) const;
+  // Returns false where all of some texels are rougher. It may return true there.
+  bool any_below(size_t first, size_t count, float roughness) const;
 
  private:
   std::span<const std::byte> bytes_;

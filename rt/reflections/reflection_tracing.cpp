@@ -104,6 +104,20 @@ float NormalTexels::roughness(size_t texel) const {
                     : reinterpret_cast<const float*>(bytes_.data())[w];
 }
 
+// Without branches, which becomes vectors. Halfs of one sign are in the order of their bits.
+bool NormalTexels::any_below(size_t first, size_t count, float roughness) const {
+  bool any = false;
+  if (are_halfs_) {
+    const auto* half = reinterpret_cast<const uint16_t*>(bytes_.data()) + 4 * first + 3;
+    const auto most = static_cast<int16_t>(half_bits(roughness) + 1);
+    for (size_t i = 0; i < count; ++i) any |= static_cast<int16_t>(half[4 * i]) <= most;
+  } else {
+    const float* value = reinterpret_cast<const float*>(bytes_.data()) + 4 * first + 3;
+    for (size_t i = 0; i < count; ++i) any |= value[4 * i] <= roughness;
+  }
+  return any;
+}
+
 float reflection_share(float roughness, float max_roughness) {
   if (!(roughness <= max_roughness)) return 0.0f;
   if (roughness <= mirror_roughness) return 1.0f;

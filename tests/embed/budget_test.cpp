@@ -74,15 +74,16 @@ TEST_F(Budget, ThatIsTooSmallLetsEveryJobGoOn) {
   EXPECT_GT(late(before), 0u);
   EXPECT_EQ(older(before), 0u) << "it follows no frame";
   in.frame.continues = true;
-  int frames = 1;
-  for (; late(before) > 0 && frames < 500; ++frames) {
-    const sideray_frame_stats now = trace(service, in);
+  size_t frames = 1;
+  while (late(before) > 0 && frames < 2000) {
+    sideray_frame_stats now{};
+    for (size_t job = 0; job < bridge::job_count; ++job, ++frames) now = trace(service, in);  // each has its turn
     EXPECT_TRUE(before.pixels_late == 0 || now.pixels_late < before.pixels_late) << frames;
     EXPECT_TRUE(before.mask_pixels_late == 0 || now.mask_pixels_late < before.mask_pixels_late) << frames;
     before = now;
   }
   EXPECT_EQ(late(before), 0u) << "after " << frames << " frames";
-  EXPECT_GT(frames, 2);
+  EXPECT_GT(frames, 2u);
   EXPECT_GT(older(before), 0u);
   // The same rays in the end, since nothing is filtered over frames here.
   EXPECT_EQ(SmallHost::difference(host_.texels(*newest_outputs(service.get(), 0)), whole), "");
@@ -174,6 +175,31 @@ TEST(FrameBudgets, GoToThoseThatHaveMoreToDo) {
   const FrameBudget::Time now = FrameBudget::Clock::now(), end = now + std::chrono::seconds(10);
   const FrameBudget::Turn turn = budget.start(0, 0, {false, false, true}, end);
   EXPECT_LT(ms(turn.stop - now), 0.4 * ms(end - now));
+}
+
+// Where there is no time for any, one job of all views that share the budget traces a piece, the one that waited longest.
+TEST(FrameBudgets, ThatAreSpentLetJobsTakeTurns) {
+  constexpr uint32_t views = 3;
+  constexpr size_t jobs = bridge::job_count, all = views * jobs;
+  FrameBudget budget;
+  std::array<size_t, all> turns{};
+  for (size_t frame = 0; frame < 3 * all; ++frame) {
+    const FrameBudget::Time end = FrameBudget::Clock::now() - std::chrono::milliseconds(1);
+    for (uint32_t view = 0; view < views; ++view)
+      for (size_t job = 0; job < jobs; ++job) budget.expect(view, job);
+    size_t traced = 0;
+    for (uint32_t view = 0; view < views; ++view)
+      for (size_t job = 0; job < jobs; ++job) {
+        std::array<bool, jobs> later{};
+        std::fill(later.begin() + static_cast<ptrdiff_t>(job) + 1, later.end(), true);
+        const FrameBudget::Turn turn = budget.start(view, job, later, end);
+        EXPECT_EQ(rt::is_over(turn.work()), !turn.traces);
+        traced += turn.traces;
+        turns[view * jobs + job] += turn.traces;
+      }
+    EXPECT_EQ(traced, 1u) << "frame " << frame;
+  }
+  for (const size_t count : turns) EXPECT_EQ(count, 3u);
 }
 
 TEST(FrameBudgets, ThatAreSpentSaySo) {

@@ -12,7 +12,7 @@
 namespace sideray::tests::late_sequence_test {
 namespace {
 
-constexpr float ample = 1e6f, none = 1e-5f;
+constexpr float ample = 1e6f, none = 1e-3f;
 
 class LateSequence : public testing::TestWithParam<const char*> {
  protected:
@@ -23,6 +23,7 @@ class LateSequence : public testing::TestWithParam<const char*> {
     options_.translucency->whole_pixels = 1;
     options_.shadows->method = SIDERAY_SHADOWS_EXACT;
     options_.picture.denoise = 0;
+    options_.picture.ambient = SIDERAY_AMBIENT_AO;  // unfiltered light that bounces has no history
     const scenes::Sky sky = scenes::sky();
     scene_.set_environment(sky.width, sky.height, sky.rgb.data(), 1.0f, 0.0f);
     camera_ = content_.cameras.front().camera;
@@ -82,7 +83,7 @@ TEST_P(LateSequence, AMovedViewIsNearerToTheTruthThanRaster) {
   const std::vector<float> truth = draw(ample, false, moved);
   EXPECT_GT(matched, stats.layers_matched * 4 / 5);
   const std::vector<float> raster = draw(none, false, moved);
-  EXPECT_LT(apart(late, truth), 0.4 * apart(raster, truth));
+  EXPECT_LT(apart(late, truth), 0.6 * apart(raster, truth));
 }
 
 // Flat glass, and glass that is curved and bends what is seen through it.

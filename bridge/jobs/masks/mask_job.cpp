@@ -86,6 +86,7 @@ rt::Counters MaskJob::trace(const JobFrame& frame, const TraceInput& input) {
   request.seed = in.seed;
   request.cancelled = &input.cancelled;
   request.work = input.work;
+  request.frame = input.frame;
   request.older = &older_;
   request.wanted = in.inspection.wanted_light.get();
   looks_back_ = rt::has_older(request);

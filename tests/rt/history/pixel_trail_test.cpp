@@ -71,8 +71,7 @@ TEST_P(Trail, finds_the_pixel_that_showed_the_point) {
     ASSERT_FALSE(trail.same_view());
     for (uint32_t y = 0; y < height; ++y)
       for (uint32_t x = 0; x < width; x += frame_tile_size) {
-        PixelTrail::Row row;
-        trail.look_back(x, y, frame_tile_size, row);
+        const uint32_t* row = trail.from(x, y);
         for (uint32_t i = 0; i < frame_tile_size; ++i) {
           const size_t pixel = size_t{y} * width + x + i;
           const glm::dvec2 place = then.place(now.points[pixel]);
@@ -104,8 +103,7 @@ TEST_P(Trail, knows_nothing_of_what_was_hidden) {
   size_t hidden = 0;
   for (uint32_t y = 0; y < height; ++y)
     for (uint32_t x = 0; x < width; x += frame_tile_size) {
-      PixelTrail::Row row;
-      trail.look_back(x, y, frame_tile_size, row);
+      const uint32_t* row = trail.from(x, y);
       for (uint32_t i = 0; i < frame_tile_size; ++i) {
         const glm::dvec3 point = now.points[size_t{y} * width + x + i];
         const glm::dvec2 place = glm::floor(then.place(point) + 0.5);
@@ -131,8 +129,7 @@ TEST_P(Trail, stays_where_nothing_moves) {
   trail.begin(view.view, view.depth.image(), {width, height}, {}, false, executor);
   trail.begin(view.view, view.depth.image(), {width, height}, {}, true, executor);
   EXPECT_TRUE(trail.same_view());
-  PixelTrail::Row row;
-  trail.look_back(32, 7, frame_tile_size, row);
+  const uint32_t* row = trail.from(32, 7);
   for (uint32_t i = 0; i < frame_tile_size; ++i) EXPECT_EQ(row[i], 7 * width + 32 + i);
 }
 

@@ -314,12 +314,13 @@ TEST(Irradiance, ThatIsCarriedAlongMovesWithItsSurface) {
   IrradianceImage image;
   IrradianceRequest request = before.request();
   request.history = &history;
+  PiecesLeft all{1 << 20}, pieces{width / tile};
+  request.work.pieces = &all;
   tracer.trace_irradiance(request, image);
   for (size_t t = 0; t < size_t{width} * height; ++t) image.light[4 * t] = glm::packHalf1x16(place(before, t));
   request = after.request();
   request.history = &history;
   request.sequence = SequenceStep::next;
-  PiecesLeft pieces{width / tile};
   request.work.pieces = &pieces;
   const Counters counters = tracer.trace_irradiance(request, image);
   EXPECT_GT(counters.irradiance_pixels_older, width * tile / 2u);
@@ -328,6 +329,33 @@ TEST(Irradiance, ThatIsCarriedAlongMovesWithItsSurface) {
     if (image.light[4 * t + 3] == 0) continue;
     ASSERT_NEAR(rgb(image.light, t).x, place(after, t), pixel) << t;
   }
+}
+
+// A frame without time for a row shows what was shown, and traces nothing; the next row that is traced goes on with the samples
+// of before.
+TEST(Irradiance, WithoutTimeForARowIsCarriedAlong) {
+  Tracer tracer({2, ""});
+  tracer.set_scene(furnace(0.5f, glm::vec3(1.0f)));
+  IrradianceHistory history;
+  IrradianceImage image;
+  const auto draw = [&](const FloorFrame& frame, SequenceStep step, const WorkTime& work) {
+    IrradianceRequest request = frame.request();
+    request.history = &history;
+    request.sequence = step;
+    request.work = work;
+    return tracer.trace_irradiance(request, image);
+  };
+  const auto continued = [&] {
+    return std::ranges::count_if(history.cells().lights, [](const CellLight& light) { return light.samples > 1.0f; });
+  };
+  PiecesLeft all{1 << 20}, row{width / tile};
+  draw(FloorFrame(), SequenceStep::first, {.pieces = &all});
+  EXPECT_EQ(continued(), 0);
+  const Counters idle = draw(FloorFrame(0.3), SequenceStep::next, {.deadline = Deadline::clock::now()});
+  EXPECT_EQ(idle.rays_bounce, 0u);
+  EXPECT_GT(idle.irradiance_pixels_older, idle.irradiance_pixels_late);
+  draw(FloorFrame(0.6), SequenceStep::next, {.pieces = &row});
+  EXPECT_GT(continued(), width * tile / 4 / 4);
 }
 
 }  // namespace
