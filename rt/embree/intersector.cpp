@@ -26,7 +26,7 @@ namespace {
 
 // These are the instance masks of the two top-level scenes.
 enum : uint32_t { mask_in_layers = 1, mask_translucent = 2, mask_sprites = 4, mask_tints = 8 };
-enum : uint32_t { mask_reflection = 1, mask_shadow = 2, mask_ao = 4, mask_opaque = 8 };
+enum : uint32_t { mask_reflection = 1, mask_shadow = 2, mask_ao = 4, mask_opaque = 8, mask_walls = 16 };
 
 uint32_t layers_mask(const model::Material& material, const model::Instance& instance) {
   if (!material.translucent) return 0;
@@ -39,7 +39,8 @@ uint32_t layers_mask(const model::Material& material, const model::Instance& ins
 
 uint32_t world_mask(const model::Material& material, const model::Instance& instance) {
   if (material.translucent) return 0;
-  return mask_opaque | ((instance.visibility & SIDERAY_VISIBLE_REFLECTION) ? mask_reflection : 0u) |
+  const uint32_t reflected = mask_reflection | (material.discards ? 0u : mask_walls);
+  return mask_opaque | ((instance.visibility & SIDERAY_VISIBLE_REFLECTION) ? reflected : 0u) |
          ((instance.visibility & SIDERAY_VISIBLE_SHADOW) ? mask_shadow : 0u) |
          ((instance.visibility & SIDERAY_VISIBLE_AO) ? mask_ao : 0u);
 }
@@ -62,6 +63,8 @@ uint32_t mask_of(OpaqueSet set) {
       return mask_shadow;
     case OpaqueSet::occludes_sky:
       return mask_ao;
+    case OpaqueSet::walls:
+      return mask_walls;
     default:
       return mask_opaque;
   }

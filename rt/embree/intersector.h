@@ -20,8 +20,8 @@ namespace sideray::rt {
 // tints_light: those of model::tints_light().
 enum class LayerSet { visible_in_layers, all_translucent, with_sprites, tints_light };
 
-// Says which opaque instances a ray hits.
-enum class OpaqueSet { visible_in_reflection, casts_shadow, occludes_sky, all };
+// Says which opaque instances a ray hits. walls: of visible_in_reflection, those without holes.
+enum class OpaqueSet { visible_in_reflection, casts_shadow, occludes_sky, walls, all };
 
 class Intersector {
  public:

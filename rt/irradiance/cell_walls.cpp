@@ -81,7 +81,7 @@ void CellWalls::ask(size_t row, int32_t x, int32_t number, const uint32_t (&ways
 void CellWalls::trace(const Intersector& intersector, Scratch& scratch) {
   if (scratch.rays.empty()) return;
   scratch.occluded.resize(scratch.rays.size());
-  intersector.occluded(scratch.rays, false, scratch.occluded.data(), OpaqueSet::visible_in_reflection);
+  intersector.occluded(scratch.rays, false, scratch.occluded.data(), OpaqueSet::walls);
   for (size_t i = 0; i < scratch.rays.size(); ++i)
     if (scratch.occluded[i]) table_->columns().walls[scratch.cells[i]] |= scratch.bits[i];
 }

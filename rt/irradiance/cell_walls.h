@@ -1,6 +1,6 @@
 // Finds out where something stands between two cells that show one plane, such as a wall on a floor: its two sides share no
 // light, however thin it is. Rays from cell to cell tell, and are sent only where paths have met something nearer than the
-// cells are apart. Keeps its memory from frame to frame.
+// cells are apart. Leaves and grates, which are cut out, count as open: their rays cost most. Keeps its memory from frame to frame.
 #pragma once
 
 #include <cstdint>

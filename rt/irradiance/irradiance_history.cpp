@@ -94,7 +94,7 @@ void IrradianceHistory::look_back(size_t tile, const std::vector<glm::u16vec2>& 
     }
   if (scratch.rays.empty()) return;
   scratch.occluded.resize(scratch.rays.size());
-  intersector.occluded(scratch.rays, false, scratch.occluded.data(), OpaqueSet::visible_in_reflection);
+  intersector.occluded(scratch.rays, false, scratch.occluded.data(), OpaqueSet::walls);
   for (size_t i = 0; i < scratch.cells.size(); ++i)
     if (scratch.occluded[i]) cells.lights[scratch.cells[i]] = {};
 }

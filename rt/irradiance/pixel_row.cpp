@@ -134,7 +134,7 @@ void PixelRow::ask(const CellsToSpread& from, uint32_t number, size_t cell, uint
 void PixelRow::answer(const Intersector& intersector) {
   if (rays_.empty()) return;
   occluded_.resize(rays_.size());
-  intersector.occluded(rays_, false, occluded_.data(), OpaqueSet::visible_in_reflection);
+  intersector.occluded(rays_, false, occluded_.data(), OpaqueSet::walls);
   for (size_t i = 0; i < rays_.size(); ++i)
     if (occluded_[i]) pixels_[questions_[i].pixel].hidden |= questions_[i].hidden;
   rays_.clear(), questions_.clear();

@@ -13,7 +13,7 @@ namespace {
 constexpr uint32_t direction_purpose = 61, roulette_purpose = 62;
 constexpr float most_reflected = 0.95f;
 // Roughness of the lobe over which the sky's light is averaged where a ray leaves the scene.
-constexpr float blur_of_open_sky = 0.5f;
+constexpr float blur_of_open_sky = 0.25f;
 constexpr float short_of_hit = 1.0f - 0x1p-16f;
 
 // What a surface reflects of light from everywhere alike.

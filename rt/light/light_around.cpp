@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
+#include <numeric>
 
 #include "rt/base/largest.h"
 #include "rt/base/sampling.h"
@@ -13,20 +13,50 @@ namespace {
 constexpr float cell_width = 2.0f;  // of the smallest cells, in widths of a pixel
 constexpr float least_reach = 4.0f;  // likewise
 constexpr float share_of_distance = 0.5f;
-constexpr size_t points_a_path = 4, few_cells = 64;
+constexpr float points_a_path = 4.0f;
+constexpr size_t few_cells = 4;
 constexpr int most_coarser = 10, least_level = -200;
 constexpr uint32_t path_purpose = 72;
 constexpr float blur_of_sky = 0.25f;  // roughness of the lobe that a direction's light is averaged over
-constexpr float facing_steps = 2.0f;  // of a normal's coordinates, from 0 to 1
+constexpr int facing_steps = 2;         // of a normal's coordinates, from 0 to 1
 constexpr float least_likeness = 0.8f;  // cosine between normals of surfaces that may be lit alike
 constexpr float off_plane = 4.0f;       // counts as so much farther away
 
+// The name of a cell holds which way it faces, and its place in cells, by so many bits a coordinate.
+constexpr int place_bits = 18;
+constexpr uint32_t place_mask = (1u << place_bits) - 1u;
+
 int level_of(const PointAround& p) {
   // What is far off has fewer digits.
-  const float side = std::max({p.width * cell_width, largest(glm::abs(p.origin)) * 0x1p-18f, 0x1p-100f});
+  const float side = std::max({p.width * cell_width, largest(glm::abs(p.origin)) * std::ldexp(2.0f, -place_bits), 0x1p-100f});
   int level = 0;
   std::frexp(side, &level);
   return level;
+}
+
+uint64_t cell_of(const PointAround& p, int level) {
+  const glm::i64vec3 place(glm::floor(glm::dvec3(p.origin) * std::ldexp(1.0, -level)));
+  const glm::ivec3 facing(glm::round(p.normal * static_cast<float>(facing_steps)));
+  uint64_t name = 0;
+  for (int k = 0; k < 3; ++k) name = name * (2 * facing_steps + 1) + static_cast<uint64_t>(facing[k] + facing_steps);
+  for (int k = 0; k < 3; ++k) name = name << place_bits | (static_cast<uint64_t>(place[k]) & place_mask);
+  return name;
+}
+
+// Returns the cell of twice the side that the cell lies in.
+uint64_t coarser_cell(uint64_t cell) {
+  constexpr int above_place = 32 - place_bits;
+  uint64_t name = cell >> 3 * place_bits << 3 * place_bits;
+  for (int shift = 0; shift < 3 * place_bits; shift += place_bits) {
+    const auto place = static_cast<int32_t>(static_cast<uint32_t>(cell >> shift) << above_place) >> above_place;
+    name |= static_cast<uint64_t>(static_cast<uint32_t>(place >> 1) & place_mask) << shift;
+  }
+  return name;
+}
+
+void drop_doubles(std::vector<uint64_t>& cells) {
+  std::ranges::sort(cells);
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
 }
 
 float likeness(glm::vec3 a, glm::vec3 b) {
@@ -57,44 +87,48 @@ void LightAround::begin(const ShadingScene& scene, const Intersector& intersecto
 void LightAround::gather(const SurfaceBatch& batch, bool matt) {
   points_.clear();
   for (uint32_t i = 0; i < batch.size(); ++i)
-    if (!matt || batch.is_matt(i)) points_.push_back({batch.point_around(i), i, {}, 0});
+    if (!matt || batch.is_matt(i)) points_.push_back({batch.point_around(i), i, 0});
 }
 
-// Brings the points of each cell together, cells of one size for all; returns how many cells there are.
-size_t LightAround::sort_into_cells(int coarser) {
+// Brings the points of each cell together, cells of one size for all: the smallest of which there are few enough.
+void LightAround::sort_into_cells(size_t most_cells) {
   int level = least_level;
   for (const Point& p : points_) level = std::max(level, level_of(p.around));
-  for (Point& p : points_) {
-    p.cell.place = glm::i64vec3(glm::floor(glm::dvec3(p.around.origin) * std::ldexp(1.0, -(level + coarser))));
-    p.cell.facing = glm::i8vec3(glm::round(p.around.normal * facing_steps));
+  in_cells_.clear(), cells_.clear();
+  for (uint32_t i = 0; i < points_.size(); ++i) in_cells_.push_back({cell_of(points_[i].around, level), i});
+  for (const InCell& p : in_cells_) cells_.push_back(p.cell);
+  drop_doubles(cells_);
+  for (int coarser = 0; cells_.size() > most_cells && coarser < most_coarser; ++coarser) {
+    for (uint64_t& cell : cells_) cell = coarser_cell(cell);
+    for (InCell& p : in_cells_) p.cell = coarser_cell(p.cell);
+    drop_doubles(cells_);
   }
-  const auto order = [](const Point& p) {
-    const Cell& c = p.cell;
-    return std::tie(c.place.x, c.place.y, c.place.z, c.facing.x, c.facing.y, c.facing.z, p.number);
-  };
-  std::sort(points_.begin(), points_.end(), [&](const Point& a, const Point& b) { return order(a) < order(b); });
-  size_t cells = 1;
-  for (size_t i = 1; i < points_.size(); ++i) cells += points_[i].cell == points_[i - 1].cell ? 0 : 1;
-  return cells;
+  std::ranges::sort(in_cells_);
 }
 
-// One point of each cell sends a path, or more where there are few cells: so nothing that lies apart goes without.
+// A point of each cell sends a path, or more where they weigh much: so nothing that lies apart goes without.
 void LightAround::choose_senders() {
-  const size_t wanted = std::max(points_.size() / points_a_path, few_cells);
-  for (int coarser = 0; sort_into_cells(coarser) > wanted && coarser < most_coarser;) ++coarser;
-  records_.clear();
-  for (size_t first = 0, end = 0; first < points_.size(); first = end) {
-    end = first + 1;
-    while (end < points_.size() && points_[end].cell == points_[first].cell) ++end;
-    const size_t sent = (end - first + points_a_path - 1) / points_a_path;
-    const size_t count = end - first;
-    for (size_t i = 0; i < count; ++i)
-      points_[first + i].record = static_cast<uint32_t>(records_.size() + i * sent / count);
-    for (size_t i = 0; i < sent; ++i) {
-      const PointAround& p = points_[first + i * count / sent].around;
-      records_.push_back({p.origin, p.normal, p.width, 0.0f, 0.0f, {}, {}, {}});
-      keys_.push_back(random_key({p.key, path_purpose}));
-    }
+  float weights = 0.0f;
+  for (const Point& p : points_) weights += p.around.weight;
+  sort_into_cells(std::max(static_cast<size_t>(weights / points_a_path), few_cells));
+  records_.clear(), keys_.clear();
+  const std::span<const InCell> all(in_cells_);
+  for (size_t first = 0, end = 0; first < all.size(); first = end) {
+    while (end < all.size() && all[end].cell == all[first].cell) ++end;
+    choose_senders(all.subspan(first, end - first));
+  }
+}
+
+void LightAround::choose_senders(std::span<const InCell> points) {
+  const float weights = std::accumulate(points.begin(), points.end(), 0.0f,
+                                        [&](float sum, const InCell& p) { return sum + points_[p.point].around.weight; });
+  const size_t count = points.size(), sent = std::clamp<size_t>(static_cast<size_t>(weights / points_a_path), 1, count);
+  for (size_t i = 0; i < count; ++i)
+    points_[points[i].point].record = static_cast<uint32_t>(records_.size() + i * sent / count);
+  for (size_t i = 0; i < sent; ++i) {
+    const PointAround& p = points_[points[i * count / sent].point].around;
+    records_.push_back({.position = p.origin, .normal = p.normal, .width = p.width});
+    keys_.push_back(random_key({p.key, path_purpose}));
   }
 }
 
@@ -104,8 +138,7 @@ void LightAround::send_paths() {
   constexpr uint32_t step_x = 3242174889u, step_y = 2447445414u;
   rays_.clear(), cones_.clear();
   uint32_t x = keys_[0], y = hash_bits(x);
-  for (size_t i = 0; i < records_.size(); ++i) {
-    const Record& r = records_[i];
+  for (const Record& r : records_) {
     const glm::vec2 u(unit_float(x += step_x), unit_float(y += step_y));
     rays_.push_back({r.position, 0.0f, frame_about(r.normal) * sample_cosine(u), farthest});
     cones_.push_back({r.width, 0.0f});
@@ -179,7 +212,6 @@ std::span<const ArrivingLight> LightAround::find(const SurfaceBatch& batch, bool
   arriving_.assign(batch.size(), {});
   gather(batch, matt);
   if (points_.empty()) return arriving_;
-  keys_.clear();
   choose_senders();
   send_paths();
   find_reaches();

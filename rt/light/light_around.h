@@ -1,8 +1,8 @@
 // Finds what arrives at a batch of points from around them where light bounces: the light of other surfaces, and the share of
 // the sky that is open. Few of the points send a path each (rt/light/diffuse_paths.h); all take the mean of what the paths of
 // points near them found, no farther than light may be taken for equal: in proportion to the harmonic mean of the distances of
-// what throws it (Ward et al. 1988, "A Ray Tracing Solution for Diffuse Interreflection"). Holds scratch memory: one object per
-// thread.
+// what throws it (Ward et al. 1988, "A Ray Tracing Solution for Diffuse Interreflection"). Points that weigh little in their
+// pixels send fewer. Holds scratch memory: one object per thread.
 #pragma once
 
 #include <cstdint>
@@ -30,29 +30,30 @@ class LightAround {
   uint64_t rays_shadow() const { return paths_.rays_shadow; }
 
  private:
-  // Part of space, and of the directions that surfaces face.
-  struct Cell {
-    glm::i64vec3 place;
-    glm::i8vec3 facing;
-    bool operator==(const Cell&) const = default;
-  };
   struct Point {
     PointAround around;
     uint32_t number;  // in the batch
-    Cell cell;
     uint32_t record;  // of the point that sends a path for its cell
+  };
+  // A cell is a cube of space and part of the directions that surfaces face.
+  struct InCell {
+    uint64_t cell;
+    uint32_t point;  // of points_
+    auto operator<=>(const InCell&) const = default;
   };
   // What a path found.
   struct Record {
     glm::vec3 position, normal;
-    float width;     // of a pixel there
-    float nearness;  // 1 / distance of what the path hit
-    float reach;     // as far as what it found is taken for equal
-    glm::vec3 thrown, sky, seen_sky;  // what it brought; the sky's light in its direction, and that where nothing is in the way
+    float width = 0.0f;     // of a pixel there
+    float nearness = 0.0f;  // 1 / distance of what the path hit
+    float reach = 0.0f;     // as far as what it found is taken for equal
+    // What it brought; the sky's light in its direction, and that where nothing is in the way.
+    glm::vec3 thrown{0.0f}, sky{0.0f}, seen_sky{0.0f};
   };
   void gather(const SurfaceBatch& batch, bool matt);
-  size_t sort_into_cells(int coarser);
+  void sort_into_cells(size_t most_cells);
   void choose_senders();
+  void choose_senders(std::span<const InCell> points);
   void send_paths();
   void see_sky();
   void find_reaches();
@@ -65,7 +66,9 @@ class LightAround {
   bool veiled_ = false;  // something translucent is before the sky
   DiffusePaths paths_;
   Veils veils_;
-  std::vector<Point> points_;  // those of a cell one behind the other
+  std::vector<Point> points_;
+  std::vector<InCell> in_cells_;  // points_, those of a cell one behind the other
+  std::vector<uint64_t> cells_;   // those of in_cells_, each once
   std::vector<Record> records_;
   std::vector<Ray> rays_, clear_;      // the latter hit nothing opaque
   std::vector<uint32_t> of_clear_;

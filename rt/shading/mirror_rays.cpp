@@ -233,7 +233,7 @@ void MirrorRays::gather_in_front() {
     const uint32_t count = deep == not_deep ? layer_counts_[r] : deep_counts_[deep];
     for (uint32_t k = 0; k < count; ++k) {
       if (!(scene_->snapshot->instances[hits[k].instance].visibility & SIDERAY_VISIBLE_REFLECTION)) continue;
-      hits_.push_back({&hits[k], &rays_[r], cones_[r]});
+      hits_.push_back({&hits[k], &rays_[r], cones_[r], mirrors_[r].weight});
       rays_of_points_.push_back(static_cast<uint32_t>(r));
     }
   }

@@ -262,7 +262,8 @@ PointAround SurfaceBatch::point_around(size_t point) const {
   const SurfaceBlock& block = blocks_[point / block_size];
   const size_t lane = point % block_size;
   const glm::vec3 normal = vector_at(block.geometric_normal, lane);
-  return {vector_at(block.position, lane) + normal * block.offset[lane], normal, widths_[point], keys_[point]};
+  return {vector_at(block.position, lane) + normal * block.offset[lane], normal, widths_[point],
+          std::min(std::max(0.0f, weights_[point]), 1.0f), keys_[point]};
 }
 
 void SurfaceBatch::let_arrive(std::span<const ArrivingLight> arriving) {
@@ -398,7 +399,7 @@ void SurfaceBatch::unblocked(glm::vec3* radiance, glm::vec3* apart) {
   }
 }
 
-void SurfaceBatch::blend(std::span<const HitPlace> hits, shading::SrBlend* blends) const {
+void SurfaceBatch::blend(std::span<const HitPlace> hits, shading::SrBlend* blends) {
   BlendBlock block;
   for (size_t first = 0; first < hits.size(); first += block_size) {
     const std::span<const HitPlace> part = hits.subspan(first, std::min<size_t>(block_size, hits.size() - first));
@@ -408,6 +409,7 @@ void SurfaceBatch::blend(std::span<const HitPlace> hits, shading::SrBlend* blend
                               ? sprite_point(*scene_->snapshot, *part[i].hit, *part[i].ray, part[i].cone).blended
                               : blend_at(block, i);
   }
+  for (size_t i = 0; i < hits.size(); ++i) weights_[i] *= blends[i].cover;
 }
 
 // Fills candidates_, and adds up what they gain.

@@ -67,6 +67,7 @@ struct PointAround {
   glm::vec3 origin;  // of rays that do not hit the surface itself
   glm::vec3 normal;  // the geometric one
   float width;       // of a pixel there
+  float weight;      // of its light in the pixel
   uint32_t key;      // of random numbers: the place's
 };
 
@@ -125,8 +126,8 @@ class SurfaceBatch {
   // Writes what all lights() add, with nothing in their way. `shine`, of it what is added behind textures, may be null.
   void unblocked(glm::vec3* radiance, glm::vec3* shine = nullptr);
 
-  // Says what blend_of() says of each point. `hits` are those that were loaded.
-  void blend(std::span<const HitPlace> hits, shading::SrBlend* blends) const;
+  // Says what blend_of() says of each point, and weighs each by its cover. `hits` are those that were loaded.
+  void blend(std::span<const HitPlace> hits, shading::SrBlend* blends);
 
   // Draws lights for the points of one block, and appends their shadow rays, which end at this share of the way. The gain
   // of a light that is drawn grows as its odds fall, so that on average the rays gain what all lights add. Adds what they

@@ -173,6 +173,29 @@ TEST(RayEnds, AreComparedWithTheRecomputedDistance) {
   }
 }
 
+// What can have holes is no wall, wherever it is hit.
+TEST(OpaqueSets, HaveWallsWithoutHoles) {
+  SceneBuilder scene;
+  scene.add_material(false);
+  scene.add_material(false).discards = true;
+  const uint32_t mesh = scene.add_mesh(square(1.0f, 0.0f));
+  for (const uint32_t material : {0u, 1u}) {
+    glm::mat4x3 place = SceneBuilder::identity;
+    place[3].x = 3.0f * static_cast<float>(material);
+    scene.add_instance(mesh, material, place);
+  }
+  const std::vector<Ray> rays{ray_to({0.3f, 0.2f, 5.0f}, {0.3f, 0.2f, 0.0f}), ray_to({3.3f, 0.2f, 5.0f}, {3.3f, 0.2f, 0.0f})};
+  for (const char* isa : kernel_sets()) {
+    Intersector intersector(isa);
+    intersector.set_scene(scene.snapshot);
+    std::vector<uint8_t> occluded(rays.size());
+    intersector.occluded(rays, false, occluded.data(), OpaqueSet::visible_in_reflection);
+    EXPECT_EQ(occluded, (std::vector<uint8_t>{1, 1})) << isa;
+    intersector.occluded(rays, false, occluded.data(), OpaqueSet::walls);
+    EXPECT_EQ(occluded, (std::vector<uint8_t>{1, 0})) << isa;
+  }
+}
+
 TEST(SharedEdges, GiveOneHitASurface) {
   std::mt19937 random(3);
   for (const float scale : {1e-3f, 1.0f, 1e3f}) {

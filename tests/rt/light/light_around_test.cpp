@@ -32,7 +32,7 @@ struct Hits {
     intersector.nearest_opaque(rays, false, hits.data());
     std::vector<HitPlace> places;
     for (size_t i = 0; i < rays.size(); ++i)
-      if (hits[i].instance != no_instance) places.push_back({&hits[i], &rays[i], {0.0f, 0.02f}});
+      if (hits[i].instance != no_instance) places.push_back({&hits[i], &rays[i], {0.0f, 0.02f}, weight});
     std::vector<glm::vec3> radiance(places.size());
     HitShader shader;
     shader.begin(*shading, intersector, true, false, 0.0f, {0, 0, 1}, bounces);
@@ -43,6 +43,7 @@ struct Hits {
 
   std::unique_ptr<ShadingScene> shading;
   Intersector intersector{""};
+  float weight = 1.0f;  // of each hit in its pixel
   uint64_t rays_bounce = 0;
 };
 
@@ -50,6 +51,13 @@ glm::vec3 mean(const std::vector<glm::vec3>& values) {
   glm::vec3 sum(0.0f);
   for (const glm::vec3 v : values) sum += v;
   return sum / static_cast<float>(values.size());
+}
+
+// A floor beside a bright wall.
+void add_floor_and_wall(TestScene& scene) {
+  scene.quad({0, -2, 0}, {50, 0, 0}, {0, 0, 50}, matt(0.5f));
+  scene.quad({4, 0, 0}, {0, 2, 0}, {0, 0, 50}, matt(0.7f, glm::vec3(1.0f, 0.5f, 0.2f)));
+  scene.environment(glm::vec3(1.0f));
 }
 
 // Everywhere inside the light is e + a e + a^2 e + ... = e / (1 - a); the sky outside has no part in it.
@@ -138,11 +146,30 @@ TEST(LightAround, SeesTheSkyThroughGlass) {
 
 TEST(LightAround, IsTheSameForTheSameBatch) {
   TestScene scene;
-  scene.quad({0, -2, 0}, {50, 0, 0}, {0, 0, 50}, matt(0.5f));
-  scene.quad({4, 0, 0}, {0, 2, 0}, {0, 0, 50}, matt(0.7f, glm::vec3(1.0f, 0.5f, 0.2f)));
-  scene.environment(glm::vec3(1.0f));
+  add_floor_and_wall(scene);
   Hits hits(scene);
   EXPECT_EQ(hits.shade({0, 0, 0}, {0, -1, 0}, true), hits.shade({0, 0, 0}, {0, -1, 0}, true));
+}
+
+// What a pixel shows little of costs few paths, and is as bright.
+TEST(LightAround, OfWhatWeighsLittleCostsLittle) {
+  TestScene scene;
+  add_floor_and_wall(scene);
+  Hits hits(scene);
+  glm::vec3 heavy(0.0f), light(0.0f);
+  uint64_t rays_heavy = 0, rays_light = 0;
+  constexpr int places = 64;
+  for (int i = 0; i < places; ++i) {
+    const glm::vec3 eye(0.0f, 0.0f, 0.1f * static_cast<float>(i));
+    hits.weight = 1.0f;
+    heavy += mean(hits.shade(eye, {0, -1, 0}, true)) / static_cast<float>(places);
+    rays_heavy += hits.rays_bounce;
+    hits.weight = 0.04f;
+    light += mean(hits.shade(eye, {0, -1, 0}, true)) / static_cast<float>(places);
+    rays_light += hits.rays_bounce;
+  }
+  EXPECT_LT(rays_light, rays_heavy / 8);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(light[c], heavy[c], 0.02f * heavy[c]);
 }
 
 }  // namespace
