@@ -21,7 +21,7 @@ SurfacePoint sprite_point(const model::Snapshot& snapshot, const Hit& hit, const
   point.to_eye = point.geometric_normal = place.mesh.normals[place.vertex];
   point.surface = shading::sr_sprite(place.color, point.to_eye, place.desc.lit != 0,
                                      shading::sr_soft_fade(gap, place.desc.soft_distance), point.blend);
-  if (snapshot.fixed) {  // which has no additive texture and lights one side
+  if (snapshot.fixed) {  // fixed function: no additive texture, one side is lit
     point.surface.coat_normal = glm::vec3(0.0f);
     point.surface.metallic = 1.0f;
   }
