@@ -95,9 +95,9 @@ struct NamedTriangle {
   auto operator<=>(const NamedTriangle&) const = default;
 };
 
-// Embree's kernels transform and intersect in float and round differently, so for a ray close to a triangle's edge they
-// may disagree on the hit. Returns how far, in local lengths, from an edge that holds (as seen along the ray) if the
-// hit is within that distance of an edge of its triangle; otherwise 0.
+// Embree's kernels transform and intersect in float and round differently, so they may disagree on whether a ray close
+// to a triangle's edge hits it. Returns within which distance of an edge, in local lengths as seen along the ray, they
+// may do so, if the hit is that close to an edge of its triangle; otherwise 0.
 double near_edge(const TraceTable& table, const Ray& ray, const Hit& hit);
 
 // A hit whose barycentric weights are all larger is far from edges, unless its triangle is hardly larger than rounding.
