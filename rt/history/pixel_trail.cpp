@@ -6,7 +6,7 @@
 namespace sideray::rt {
 namespace {
 
-// Depth tolerance of a reprojected surface, as a share of its depth: less than the step at an edge.
+// Depth tolerance for the same surface, as a share of the depth: less than the step at an edge.
 constexpr float same_depth = 1.0f / 128.0f;
 
 }  // namespace
@@ -23,11 +23,12 @@ void PixelTrail::begin(const TraceView& view, const DepthImage& depth, glm::uvec
   std::swap(depth_, depth_before_);
   fill_depths(executor, depth, *camera_, depth_);
   same_view_ = before_ && camera_->sees_as(*before_);
-  if (same_view_) camera_ = before_;  // slow movement is compared with the place where it began, until it counts
+  if (same_view_) camera_ = before_;  // keeps the camera where slow movement began, until the movement counts
   if (before_ && !same_view_) find_way();
 }
 
-// Clip coordinates become pixels, over the third; the fourth is the depth along the axis.
+// Computes terms for x and y in pixels, both to be divided by the third component, and the depth along the axis as the
+// fourth.
 void PixelTrail::find_way() {
   const glm::dmat4& m = before_->clip_from_local;
   const glm::dvec2 half = 0.5 * before_->size;
@@ -47,7 +48,7 @@ bool PixelTrail::was_there(glm::ivec2 at, float depth) const {
 }
 
 // Searches the four pixels around a position whose nearest pixel showed another surface. On a plane the inverse depth
-// (in orthographic views the depth) is linear in the picture, so interpolating the four is exact if all show one plane.
+// (orthographic: the depth) is linear in the picture, so interpolation is exact if all four show one plane.
 uint32_t PixelTrail::search(glm::vec2 at, float depth) const {
   const glm::ivec2 corner(at), last(static_cast<int>(width_) - 1, static_cast<int>(height_) - 1);
   const glm::ivec2 beyond = glm::min(corner + 1, last), chosen = glm::min(glm::ivec2(glm::floor(at + rounding_)), last);
@@ -77,7 +78,7 @@ void PixelTrail::look_back(uint32_t x, uint32_t y, uint32_t count, Row& from) co
       from[i] = (std::abs(then[i] - depth[i]) <= same_depth * depth[i]) & (depth[i] > 0.0f) ? static_cast<uint32_t>(first) + i : nowhere;
     return;
   }
-  // A loop without branches, which becomes vectors, finds places; the next one looks there.
+  // This loop has no branches, so that it becomes vector code; the next one reads the pixels that it finds.
   const auto row = static_cast<float>(y);
   const glm::vec4 origin = was_.origin + row * was_.origin_y, ray = was_.ray + row * was_.ray_y;
   std::array<float, frame_tile_size> at_x, at_y, expected;
