@@ -139,7 +139,8 @@ class LightPass {
     }
   }
 
-  // Adds light from other surfaces to the sky's light, both of them unoccluded by the sky's mask.
+  // Adds light from other surfaces to the visible share of the sky's light, to which hide_sky() then adds none by way
+  // of occluders.
   void add_bounced(LightWorker& w) const {
     const std::span<AroundBlock> around = w.batch.around();
     for (size_t i = 0; i < w.texels.size(); ++i) {
