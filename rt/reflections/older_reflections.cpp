@@ -33,7 +33,7 @@ void OlderReflections::begin(const ReflectionRequest& r, TracedScene& scene, Ref
   committed_ = std::move(committed);
 }
 
-// Calls work(x, y, pixels) for the rows of a tile.
+// Calls work(x, y, pixel count) for each row of a tile.
 template <typename Work>
 void OlderReflections::for_rows(size_t tile, const Work& work) const {
   const uint32_t columns = tile_count(width_);
@@ -67,7 +67,7 @@ void OlderReflections::leave(const ReflectionRequest& r, size_t tile, Reflection
       any = any || mirror[i];
     }
     if (any) counters.frames_waiting = std::max<uint64_t>(counters.frames_waiting, number_ - turns_[tile]);
-    if (!any) {  // as in most of a picture
+    if (!any) {  // the case in most of a picture
       std::fill_n(&ages_[first], count, no_answer);
       std::fill_n(&image.radiance[4 * first], 4 * count, uint16_t{0});
       return;
