@@ -16,13 +16,13 @@ constexpr float share_of_distance = 0.5f;
 constexpr size_t points_a_path = 4, few_cells = 64;
 constexpr int most_coarser = 10, least_level = -200;
 constexpr uint32_t path_purpose = 72;
-constexpr float blur_of_sky = 0.25f;  // roughness of the lobe that a direction's light is averaged over
-constexpr float facing_steps = 2.0f;  // of a normal's coordinates, from 0 to 1
-constexpr float least_likeness = 0.8f;  // cosine between normals of surfaces that may be lit alike
-constexpr float off_plane = 4.0f;       // counts as so much farther away
+constexpr float blur_of_sky = 0.25f;  // roughness of the lobe that averages a direction's light
+constexpr float facing_steps = 2.0f;  // steps of a normal's coordinate from 0 to 1
+constexpr float least_likeness = 0.8f;  // smallest cosine between normals of surfaces that share light
+constexpr float off_plane = 4.0f;       // a distance from the plane counts this many times
 
 int level_of(const PointAround& p) {
-  // What is far off has fewer digits.
+  // Distant points have fewer digits.
   const float side = std::max({p.width * cell_width, largest(glm::abs(p.origin)) * 0x1p-18f, 0x1p-100f});
   int level = 0;
   std::frexp(side, &level);
@@ -33,7 +33,7 @@ float likeness(glm::vec3 a, glm::vec3 b) {
   return std::max((glm::dot(a, b) - least_likeness) * (1.0f / (1.0f - least_likeness)), 0.0f);
 }
 
-// Returns the share that is left of each channel; all where there is nothing.
+// Returns part / whole by channel; 1 if the whole is 0.
 glm::vec3 share_of(glm::vec3 part, glm::vec3 whole) {
   glm::vec3 share(1.0f);
   for (int c = 0; c < 3; ++c)
@@ -60,7 +60,7 @@ void LightAround::gather(const SurfaceBatch& batch, bool matt) {
     if (!matt || batch.is_matt(i)) points_.push_back({batch.point_around(i), i, {}, 0});
 }
 
-// Brings the points of each cell together, cells of one size for all; returns how many cells there are.
+// Sorts the points by cells of a common size; returns the number of cells.
 size_t LightAround::sort_into_cells(int coarser) {
   int level = least_level;
   for (const Point& p : points_) level = std::max(level, level_of(p.around));
@@ -78,7 +78,7 @@ size_t LightAround::sort_into_cells(int coarser) {
   return cells;
 }
 
-// One point of each cell sends a path, or more where there are few cells: so nothing that lies apart goes without.
+// Lets one point of each cell send a path, or more if there are few cells, so that isolated points have one too.
 void LightAround::choose_senders() {
   const size_t wanted = std::max(points_.size() / points_a_path, few_cells);
   for (int coarser = 0; sort_into_cells(coarser) > wanted && coarser < most_coarser;) ++coarser;
@@ -98,8 +98,8 @@ void LightAround::choose_senders() {
   }
 }
 
-// Records that follow each other lie near each other: their directions are the points of one sequence that fills the square
-// evenly (Roberts 2018, R2), from a random one on.
+// Consecutive records are near each other, so their directions come from one low-discrepancy sequence (Roberts 2018,
+// R2), with a random start.
 void LightAround::send_paths() {
   constexpr uint32_t step_x = 3242174889u, step_y = 2447445414u;
   rays_.clear(), cones_.clear();
@@ -121,7 +121,7 @@ void LightAround::send_paths() {
   if (environment_) see_sky();
 }
 
-// Finds what each path's first direction sees of the sky, by what is translucent before it.
+// Finds the visible sky in each path's first direction, through translucent surfaces.
 void LightAround::see_sky() {
   clear_.clear(), of_clear_.clear(), directions_.clear();
   for (const Ray& ray : rays_) directions_.push_back(ray.direction);
@@ -140,7 +140,7 @@ void LightAround::see_sky() {
   for (size_t k = 0; k < clear_.size(); ++k) records_[of_clear_[k]].seen_sky *= veils_.color(k);
 }
 
-// A path's own distance says little: the mean of those near it counts.
+// A single path's distance is noisy, so nearby paths are averaged.
 void LightAround::find_reaches() {
   for (Record& r : records_) {
     const float blur = r.width * cell_width;
@@ -155,7 +155,7 @@ void LightAround::find_reaches() {
   }
 }
 
-// Of the sky, the share of the light of those directions that is seen: where all is open it is one, whichever they are.
+// For the sky, averages the visible share of the light in the paths' directions: it is exactly one if nothing occludes.
 ArrivingLight LightAround::mean_about(const Record& at) const {
   glm::vec3 thrown(0.0f), sky(0.0f), seen_sky(0.0f);
   float weights = 0.0f;
