@@ -9,7 +9,7 @@
 namespace sideray::rt {
 namespace {
 
-constexpr float most_samples_moving = 8.0f;  // what something that moves threw light on has to follow
+constexpr float most_samples_moving = 8.0f;  // for cells lit by something that moves, which must follow it
 constexpr float same_facing = 0.9f;  // cosine
 
 }  // namespace
@@ -28,7 +28,7 @@ void IrradianceHistory::begin(const IrradianceRequest& r, TracedScene& scene) {
   const glm::dvec3 origin = scene.shading().snapshot->origin;
   moved_ = glm::vec3(origin_ - origin);
   origin_ = origin;
-  // The frames of a position fill the same cells.
+  // All frames of a position fill the same cells.
   if (!(follows_ && r.position_frames > 1)) std::swap(before_, after_);
   number_ = follows_ ? number_ + 1 : 1;
   if (!follows_) turns_.assign(size_t{tile_count(r.width)} * tile_count(r.height), 0);
@@ -64,7 +64,7 @@ void IrradianceHistory::look_back(size_t tile, const std::vector<glm::u16vec2>& 
       const size_t then = size_t{from[0] / width_ / cell_side} * cells.columns + from[0] % width_ / cell_side;
       CellPlace was = before_.places[then];
       was.position += moved_;
-      // The pixel of the cell that was traced may show another surface than the one found.
+      // The cell's traced pixel may have shown another surface than the one found.
       if (glm::dot(was.normal, place.normal) < same_facing || !(plane_share(was, place.position) > 0.0f)) continue;
       cells.lights[cell] = before_.lights[then];
       cells.lights[cell].samples = std::min(cells.lights[cell].samples, counted_);
@@ -122,14 +122,15 @@ TileRows IrradianceHistory::next_rows(const WorkTime& work) const {
   return chosen;
 }
 
-// Takes for a cell what is known of the surface that one of its pixels shows, which was at `from`; false where that is nothing.
+// Continues a cell with the history of the surface at one of its pixels, which was at `from`; returns false if there is
+// none.
 bool IrradianceHistory::carry(glm::uvec2 pixel, uint32_t from) {
   if (from == PixelTrail::nowhere) return false;
   const FrameCamera& camera = trail_.camera();
   const size_t then = size_t{from / width_ / cell_side} * after_.columns + from % width_ / cell_side;
   CellPlace was = before_.places[then];
   was.position += moved_;
-  // The pixel of the cell that was traced may have shown another surface.
+  // The cell's traced pixel may have shown another surface.
   const double depth = trail_.depths()[size_t{pixel.y} * width_ + pixel.x];
   if (!(plane_share(was, glm::vec3(camera.origin_at(pixel) + depth * camera.ray_at(pixel))) > 0.0f)) return false;
   const size_t cell = size_t{pixel.y / cell_side} * after_.columns + pixel.x / cell_side;
