@@ -11,7 +11,7 @@ namespace sideray::rt {
 
 inline constexpr float largest_half = 65504.0f;
 
-// For radiance and transmittance, which are never negative: NaN becomes 0, and too large values the largest half.
+// Converts radiance or transmittance, which are never negative: NaN becomes 0, and too large values the largest half.
 inline uint16_t half_bits(float value) {
   return imath_float_to_half(value > 0.0f ? std::min(value, largest_half) : 0.0f);
 }

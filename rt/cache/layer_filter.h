@@ -34,7 +34,7 @@ class LayerFilter {
     glm::vec3 noise;         // weight * reflected, from one direction
     float spread;            // width of the lobe, relative to a reflection's
     bool is_sampled;         // as in RoughReflection
-    glm::vec3 surroundings;  // likewise
+    glm::vec3 surroundings;  // as in RoughReflection
   };
   // Holds the layers of one chunk of pixels, in the chunk's order.
   struct Chunk {

@@ -75,8 +75,8 @@ SIDERAY_LANE void find_heads(const LayerColumns& c, int32_t at, int32_t step, bo
   });
 }
 
-// Returns a layer of the pixel whose layers start at `head`, or none. It must be on the same part of the same surface:
-// on the other's plane, apart from the bend between the two normals.
+// Returns a layer of the pixel whose layers start at `head`, or none. The layer must be on the same part of the same
+// surface: near the plane of `a`, with a tolerance for the bend between the two normals.
 SIDERAY_LANE integer like(const LayerColumns& c, const Centre& a, integer head) {
   constexpr float flat = 0.05f, most_bend = 0.5f;
   integer candidate = head, best(-1);

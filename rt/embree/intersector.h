@@ -43,8 +43,8 @@ class Intersector {
   void nearest_layers(LayerSet set, std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
                       uint32_t* counts, Cone cone = {}, bool cull = true) const;
   // Finds the nearest translucent surface of each ray and the others at the same distance, as nearest_layers() finds
-  // its first four: hits[i * most_at_place + k], counts[i] of them. known[i] is the distance up to which the ray has no
-  // other surface; just behind it rounding leaves that open. It is infinite if the ray hits no surface.
+  // its first four: hits[i * most_at_place + k], counts[i] of them. known[i] is a distance up to which the ray hits no
+  // other surface; rounding hides whether one lies just behind it. It is infinite if the ray hits no surface.
   static constexpr uint32_t most_at_place = 4;
   void nearest_places(LayerSet set, std::span<const Ray> rays, bool coherent, Hit* hits, uint32_t* counts,
                       double* known, Cone cone = {}, bool cull = true) const;

@@ -96,8 +96,8 @@ struct NamedTriangle {
 };
 
 // Embree's kernels transform and intersect in float and round differently, so they may disagree on whether a ray close
-// to a triangle's edge hits it. Returns within which distance of an edge, in local lengths as seen along the ray, they
-// may do so, if the hit is that close to an edge of its triangle; otherwise 0.
+// to a triangle's edge hits it. Returns the largest distance from an edge at which they may disagree, in local lengths
+// as seen along the ray, if the hit is that close to an edge of its triangle; otherwise 0.
 double near_edge(const TraceTable& table, const Ray& ray, const Hit& hit);
 
 // A hit whose barycentric weights are all larger is far from edges, unless its triangle is hardly larger than rounding.

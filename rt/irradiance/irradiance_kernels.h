@@ -9,7 +9,7 @@ namespace sideray::rt {
 inline constexpr int32_t cells_at_once = 16;
 inline constexpr int32_t wall_steps = 4;                       // walls are searched between cells 1, 2, 4 and 8 apart
 inline constexpr int32_t cell_border = 1 << (wall_steps - 1);  // the longest of these steps
-// The forward ones of the eight directions to neighbours; the other cell stores the others.
+// Four of the eight directions to neighbours; walls in the other four are stored with the neighbour.
 inline constexpr int32_t wall_ways = 4;
 inline constexpr int32_t wall_way_x[wall_ways] = {1, -1, 0, 1}, wall_way_y[wall_ways] = {0, 1, 1, 1};
 
@@ -22,7 +22,7 @@ struct CellColumns {
   float* most_near;                  // 1 / distance of the nearest hit of paths from cells around
   float *nearness, *open;            // as in CellLight
   float *next_nearness, *next_open;  // results of a pass
-  float *light[3], *next_light[3];   // likewise
+  float *light[3], *next_light[3];   // red, green, blue; next_light: result of a pass
   int32_t* walls;  // bit wall_ways * number + way: something stands in that direction between cells 1 << number apart
   int32_t stride;  // cells from one row to the next
 };

@@ -14,7 +14,7 @@ constexpr float least_reach = 8.0f;    // widths of a pixel: noise is worse than
 constexpr float wall_margin = 2.0f;    // because few paths hit an occluder at its nearest point
 constexpr float same_normal = 0.8f;    // cosine, at which cells share no light
 constexpr float off_plane = 2.0f;      // widths of a pixel: a position so far away is on another plane
-constexpr float least_share = 0.5f, whole_share = 0.99f;  // of a plane
+constexpr float least_share = 0.5f, whole_share = 0.99f;  // how well a position lies on a plane
 constexpr float spline[3] = {0.25f, 0.5f, 0.25f};
 
 SIDERAY_LANE real3 load_any(float* const (&values)[3], int32_t at) {

@@ -10,8 +10,8 @@
 namespace sideray::rt {
 namespace {
 
-constexpr float cell_width = 2.0f;  // of the smallest cells, in widths of a pixel
-constexpr float least_reach = 4.0f;  // likewise
+constexpr float cell_width = 2.0f;  // side of the smallest cells, in widths of a pixel
+constexpr float least_reach = 4.0f;  // smallest radius of sharing, in widths of a pixel
 constexpr float share_of_distance = 0.5f;
 constexpr size_t points_a_path = 4, few_cells = 64;
 constexpr int most_coarser = 10, least_level = -200;

@@ -18,7 +18,7 @@ namespace sideray::rt {
 struct RayRandom {
   uint32_t seed;
   uint32_t purpose;    // of the samples on a light or in the sky
-  uint32_t layer;      // likewise
+  uint32_t layer;      // of the samples, as `purpose`
   uint32_t dimension;  // of the inexact test
   sideray_inexact inexact;
 };

@@ -114,9 +114,9 @@ struct OcclusionMasks {
   // it is finite.
   std::vector<uint8_t> seen, measured;
 
-  // Transmittance of translucent surfaces between light and pixel, 255 = 1. A light's mask gets a place once something
-  // has tinted it since the masks have this size; a place has a plane for each of red, green and blue. The arriving
-  // light is the mask times these.
+  // Transmittance of translucent surfaces between light and pixel, 255 = 1. A light's mask gets a place as soon as
+  // something tints it, and keeps it until the masks change size; a place has a plane for each of red, green and blue.
+  // The arriving light is the mask times these.
   static constexpr uint32_t tint_tile = 32;  // side of a tile in pixels
   uint32_t tints = 0;                // places
   std::vector<uint32_t> tint_places;  // for each layer of `lit` the place + 1; 0: it has none

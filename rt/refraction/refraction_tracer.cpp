@@ -184,8 +184,8 @@ void RefractionTracer::start(std::span<const PixelRequest> pixels) {
   }
 }
 
-// Finds the next surface of every active path that counts, or the path's end. Paths need different numbers of
-// traversals for it, but all cross their surface in the same round, so that they can share rays.
+// Finds for every active path the next surface that counts, or the path's end. This takes a different number of
+// traversals for each, but all paths cross their surface in the same round, so that they can share rays.
 void RefractionTracer::find_next() {
   made_count_ = 0;
   pending_ = active_;
@@ -339,7 +339,7 @@ void RefractionTracer::make_next_surfaces() {
   make_surfaces(first);
 }
 
-// Sets the next surface ahead that counts. Returns false if that is still open, and sets what must be searched.
+// Sets the next surface ahead that counts. Returns false if it is not known yet, and sets what must be searched.
 bool RefractionTracer::settle(Path& path) const {
   if (path.met >= path.wanted) return find_way_out(path);
   path.search = Search::nothing;

@@ -173,7 +173,7 @@ class RefractionTracer {
   Counters* counters_ = nullptr;
   std::vector<RefractedPixel>* result_ = nullptr;
   std::vector<PathEnd>* path_ends_ = nullptr;  // output of paths without shading; otherwise null
-  std::vector<PathSurface>* path_surfaces_ = nullptr;  // likewise, if the surfaces are requested
+  std::vector<PathSurface>* path_surfaces_ = nullptr;  // the same, if the surfaces are requested
   std::vector<Path> paths_;
   std::vector<uint32_t> active_, next_active_, pending_, group_, ends_;
   std::vector<Ray> rays_;

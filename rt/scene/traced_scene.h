@@ -39,7 +39,7 @@ class TracedScene {
   void place_sprites(const TraceView& view, uint32_t height);
   // Is made on first use, because most tracers never need it.
   const EnvironmentSampler& environment();
-  // Likewise.
+  // Is made on first use too.
   const SkyDirections& sky();
 
   Executor& executor() { return executor_; }

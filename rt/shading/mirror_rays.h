@@ -15,7 +15,7 @@ namespace sideray::rt {
 // Describes a reflecting lobe that one ray represents.
 struct Mirror {
   glm::vec3 direction, normal;  // for an anisotropic base: those for the look-up in prefiltered surroundings
-  float roughness;              // likewise
+  float roughness;              // for an anisotropic base: that for the look-up
   uint32_t layer;               // 0 base, 1 coat
   bool brushed = false;         // an anisotropic base
   bool narrow = false;          // its mirror direction represents it, so its ray is not random

@@ -142,8 +142,8 @@ class RayReuse::Receiver {
   explicit Receiver(const SurfacePoint& point)
       : position_(four(point.position)), normal_(four(point.geometric_normal)), surface_(side_of(point)) {}
 
-  // Returns the donor's distance from the point's plane; infinity if it is not on the same part of the point's surface,
-  // that is near its plane apart from the bend between the two normals.
+  // Returns the donor's distance from the point's plane; infinity if the donor is on another part of the surface: too
+  // far from the plane, with a tolerance for the bend between the two normals.
   float off(const Donor& donor) const {
     constexpr float flat = 0.05f, most_bend = 0.5f;
     if (donor.surface != surface_) return INFINITY;

@@ -25,7 +25,7 @@ struct ShadingScene {
   std::shared_ptr<const model::Snapshot> snapshot;
   std::vector<shading::SrMaterial> materials;      // textures not applied
   std::vector<shading::SrFixedMaterial> fixed_materials;  // in a scene of the fixed function; else empty
-  std::vector<FixedLightTerms> fixed_lights;              // likewise; lights with shadows come first
+  std::vector<FixedLightTerms> fixed_lights;              // the same; lights with shadows come first
   std::vector<std::vector<TextureRead>> textures;  // by material
   std::vector<shading::SrLight> lights;            // lights that emit anything
   std::vector<uint32_t> light_numbers;             // their indices in the snapshot

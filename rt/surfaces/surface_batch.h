@@ -31,7 +31,7 @@ struct LightOdds {
 // Makes the surface of each hit, with the same bits as surface_point(). `kernels` are those of the instruction set.
 void make_surfaces(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
                    SurfacePoint* points);
-// Appends them instead.
+// Does the same, and appends the surfaces to `points`.
 void append_surfaces(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
                      std::vector<SurfacePoint>& points);
 
@@ -51,7 +51,7 @@ class ShadowRays {
 
  private:
   std::vector<float> origin_[3], direction_[3], gain_[3], shine_[3], t_far_;
-  std::vector<float> t_near_;  // 0
+  std::vector<float> t_near_;  // all 0
   std::vector<uint32_t> points_;
   size_t count_ = 0;
 };

@@ -653,7 +653,7 @@ void surfaces_of_hits(const SurfaceTables& tables, const HitBlock& hits, Surface
     // The normals are turned toward the eye first; sr_facing() would copy the whole surface to do so.
     SrSurface s = sr_surface(m, t, sr_toward_eye(sr_select(front, normal, -normal), to_eye),
                              sr_toward_eye(sr_select(front, coat_normal, -coat_normal), to_eye));
-    // Single hits use another exponential than the lanes' sr_surface(), so it was given no volume.
+    // This sr_surface() computes no volume, because its exponential differs from that of single hits.
     const real transmission = sr_saturate(m.transmission * t.transmission) * (1.0f - s.metallic);
     s.tint = sr_times(s.albedo, load3(volume, at)) * transmission;
     if (sr_any(m.anisotropy > 0.0f)) s = sr_brushed(s, m, t, load3(smooth, at), tangent_of(patches, at));

@@ -105,7 +105,7 @@ struct SurfaceTables {
   const float* srgb;  // values of the 256 sRGB codes
   TexelView albedo;
   const FixedRecord* fixed;  // by material, in a scene of the fixed function; else null
-  FixedModelTerms model;     // likewise
+  FixedModelTerms model;     // in a scene of the fixed function
 };
 
 // Holds sixteen hits, none of them on sprites.

@@ -14,7 +14,8 @@ namespace sideray::rt {
 namespace {
 
 constexpr size_t pixels_in_truth_chunk = 1024;  // for any thread count
-// A place is visible if the straight ray hits its object no nearer than this share of its distance in front of it.
+// The end of a path counts as visible if the straight ray hits the same object, at most this share of the distance in
+// front.
 constexpr double at_place = 1e-4;
 constexpr float farthest_end = 1e30f;
 
