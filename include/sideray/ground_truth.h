@@ -124,7 +124,7 @@ typedef struct sideray_layered_depth_desc {
   float* z;                    /* [i]: distance along the view axis, world units, as the channel Z */
   float* distance;             /* [i]: length of the path from the start of the pixel's ray, world units */
   float* normals;              /* [3 * i]: shading normal, unit, world space, on the side that the ray comes from */
-  float* geometric_normals;    /* [3 * i]: the triangle's normal, likewise */
+  float* geometric_normals;    /* [3 * i]: the triangle's normal, unit, world space, on the same side */
   uint32_t* surface_ids;       /* [i] */
   sideray_instance* instances; /* [i] */
   uint32_t* primitives;        /* [i]: triangle's index in the mesh as added */

@@ -65,8 +65,8 @@ typedef struct sideray_camera {
   float yfov;          /* full vertical angle, perspective */
   float half_height;   /* world units, orthographic */
   float z_near, z_far; /* > 0; z_far 0 = infinite (perspective only) */
-  /* For intrinsics fx, fy, cx, cy in pixels of a width x height picture, from its top left corner: yfov = 2 atan(height
-   * / (2 fy)), fx_per_fy = fx / fy, shift_x = cx / width - 1/2, shift_y = cy / height - 1/2. */
+  /* For intrinsics fx, fy, cx, cy in pixels of a width x height picture, from its top left corner: fx_per_fy = fx / fy,
+   * yfov = 2 atan(height / (2 fy)), shift_x = cx / width - 1/2, shift_y = cy / height - 1/2. */
   float fx_per_fy;        /* 1e-3..1e3; 0 = 1, square pixels */
   float shift_x, shift_y; /* principal point minus picture's middle, right in widths and down in heights; +-100 */
 } sideray_camera;
@@ -309,17 +309,17 @@ typedef struct sideray_render_stats {
   char isa[16];
   char embree[32];
   uint64_t layers_borrowed; /* as in sideray_frame_stats */
-  uint64_t layers_refracted; /* likewise */
+  uint64_t layers_refracted; /* as in sideray_frame_stats */
   /* The share of the worst thousandth of pixels in reference_self_error; negative: only one sample. Near 1 a few
    * fireflies make up the error, and another seed would change it much. */
   double reference_firefly_share;
   uint32_t reference_bounces; /* 0 = unlimited, or no part of the picture is a reference */
   int32_t reference_caustics; /* sideray_reference_options::caustics */
-  uint64_t pixels_older, mask_pixels_late, mask_pixels_older, answer_age; /* likewise */
+  uint64_t pixels_older, mask_pixels_late, mask_pixels_older, answer_age; /* as in sideray_frame_stats */
   /* Camera positions averaged in the picture: `samples`, or those that a view at rest has accumulated. */
   uint64_t positions;
   uint64_t reflection_pixels_late, reflection_pixels_older, jobs_starved; /* as in sideray_frame_stats */
-  uint64_t rays_bounce, irradiance_pixels_late, irradiance_pixels_older;  /* likewise */
+  uint64_t rays_bounce, irradiance_pixels_late, irradiance_pixels_older;  /* as in sideray_frame_stats */
 } sideray_render_stats;
 
 typedef enum sideray_channel_type { SIDERAY_CHANNEL_FLOAT = 0, SIDERAY_CHANNEL_UINT = 1 } sideray_channel_type;

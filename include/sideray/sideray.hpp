@@ -9,7 +9,7 @@
 #include <memory>
 #include <optional>
 #if __cplusplus > 201703L
-#include <span>  // hosts of C++20 had it from here before 0.3
+#include <span>  // kept for C++20 hosts that got it from this header before 0.3
 #endif
 #include <stdexcept>
 #include <string>
