@@ -64,7 +64,7 @@ struct Differences {
   // Changes of the whole picture first, then of moved objects, then of those that look different; within each, the most
   // pixels first.
   std::vector<Change> changes;
-  std::vector<float> flip_map; // one value a pixel; empty likewise
+  std::vector<float> flip_map; // one value a pixel; empty if pixels are not finite
 };
 
 // Returns whether sizes, and names, types and bits of all channels, are equal.

@@ -27,8 +27,8 @@ std::optional<size_t> find(Candidates all, size_t drawing, size_t shadows) {
   return static_cast<size_t>(at - all.begin());
 }
 
-// Returns the two candidates that each differ from the first in one of the two things that this one differs in. Empty
-// if this one differs in at most one.
+// Returns the candidate with this one's drawing and the first one's shadows, and the candidate with the first one's
+// drawing and this one's shadows. Empty unless this one differs in both and both candidates exist.
 std::optional<std::pair<size_t, size_t>> parts_of(Candidates all, const Candidate& c) {
   const Candidate& first = all.front();
   if (c.drawing == first.drawing || c.shadows == first.shadows) return {};
