@@ -39,7 +39,7 @@ struct Tracer::State {
         reference(threads()) {}
   uint32_t threads() { return scene.executor().threads(); }
 
-  const std::string isa;  // as it was asked for
+  const std::string isa;  // as requested
   const std::shared_ptr<TracedScene> shared_scene;
   TracedScene& scene;
   LayerTracing layers;

@@ -1,6 +1,6 @@
-// Traces a committed scene: the front of everything that rt offers, each in a folder of its own. Plain memory, no
-// OpenGL; one call at a time. Pixels: row 0 is the bottom row. All results are the same bits for any thread count.
-// Several tracers may share one scene and trace at the same time.
+// Traces a committed scene: the front of all of rt, whose parts each have a folder. Plain memory, no OpenGL; one call
+// at a time. Row 0 of pixels is the bottom row. Results have the same bits for any thread count. Several tracers may
+// share one scene and trace at the same time.
 #pragma once
 
 #include <cstdint>
@@ -45,8 +45,8 @@ class TemporalAverage;
 class Tracer {
  public:
   explicit Tracer(const TracerConfig& config);
-  // A tracer with the scene and the threads of another one: what changes the scene of one changes both, and is to be called
-  // while neither traces.
+  // Makes a tracer with the scene and threads of another one. Functions that change the scene change it for both; call
+  // them only while neither traces.
   struct SceneOf {
     Tracer& tracer;
   };
@@ -55,23 +55,26 @@ class Tracer {
   Tracer(const Tracer&) = delete;
   Tracer& operator=(const Tracer&) = delete;
 
-  // Whether tracers that share the scene may trace it at the same time: not where rays of each view hit something else, and
-  // not before one of them has traced what the others trace, since parts of the scene are made when they are first needed.
+  // Returns whether tracers that share the scene may trace at the same time. They may not if rays of each view hit a
+  // different scene, or before one of them has traced all that the others trace, because parts of the scene are made on
+  // first use.
   bool may_trace_beside() const;
-  // As Executor::run, on the threads that trace: what `work` traces runs on its thread alone.
+  // As Executor::run, on the tracing threads. Whatever `work` traces runs on its own thread alone.
   void run(size_t count, const std::function<void(size_t index, uint32_t worker)>& work);
 
   // Builds or updates the acceleration structures. Throws Failure.
   void set_scene(std::shared_ptr<const model::Snapshot> snapshot);
 
-  // Which poses of moving plants rays hit, and which instances look too small to be hit: from the next set_scene,
-  // trace or culled() on. Costs nothing where the options are those it has.
+  // Sets which poses of moving plants rays hit, and which instances are too small to be hit, from the next set_scene,
+  // trace or culled() on. It costs nothing if the options have not changed.
   void set_foliage(const FoliageOptions& options);
-  // Whether what is translucent throws coloured shadows (model::tints_light()), from the next trace on; at first it does.
+  // Sets whether translucent surfaces cast coloured shadows (model::tints_light()), from the next trace on; by default
+  // they do.
   void set_glass_shadows(bool on);
-  // 1 = no ray hits the instance of the snapshot; empty = all are hit. Holds until the next of the calls above.
+  // Returns one entry an instance of the snapshot, 1 = no ray hits it; empty = all are hit. Valid until the next of the
+  // calls above.
   const std::vector<uint8_t>& culled();
-  // The time that the last change of scene or foliage took: poses, refits, set-up and commits.
+  // Returns the time of the last change of scene or foliage: poses, refits, set-up and commits.
   double update_ms() const;
 
   Counters trace_cache(const CacheRequest& request, LayerCache& cache);
@@ -84,13 +87,13 @@ class Tracer {
   PrimaryImage trace_primary(const TraceView& view, uint32_t width, uint32_t height);
   std::vector<OpaquePoint> trace_points(const TraceView& view, uint32_t width, uint32_t height);
 
-  // Draw what a rasterizer draws elsewhere.
+  // These draw what a rasterizer draws elsewhere.
   Counters trace_opaque(const OpaqueRequest& request, OpaquePixels& pixels);
   OpaqueMaterials opaque_materials(const OpaqueRequest& request, const OpaquePixels& pixels);
   std::vector<glm::uvec2> opaque_ids(const OpaquePixels& pixels);  // OpaqueMaterials::ids
-  // As rt/drawing/translucent_places.h says.
+  // As in rt/drawing/translucent_places.h.
   std::vector<uint8_t> translucent_places(const OpaqueRequest& request);
-  // Counts the translucent surfaces before the opaque ones, at most `most` a pixel.
+  // Counts the translucent surfaces in front of opaque ones, at most `most` a pixel.
   std::vector<uint8_t> count_translucent(const OpaqueRequest& request, const OpaquePixels& pixels, bool sprites,
                                          uint32_t most);
   Counters light_opaque(const OpaqueLightRequest& request, std::vector<glm::vec4>& picture);
@@ -99,22 +102,22 @@ class Tracer {
   Counters blend(const BlendRequest& request, std::vector<glm::vec4>& picture);
   void average(const AverageRequest& request, const OpaquePixels& pixels, const std::vector<glm::vec2>& motion,
                TemporalAverage& average, std::vector<glm::vec4>& picture);
-  // Puts what was composited over the picture.
+  // Composites the image over the picture.
   void composite_over(const CompositeImage& image, std::vector<glm::vec4>& picture);
 
-  // The scene is hit as it is drawn, whatever the foliage options: all of it, in its poses.
+  // These hit the scene as drawn, whatever the foliage options: nothing culled, in its own poses.
   GroundTruthImage trace_ground_truth(const GroundTruthRequest& request);
   std::vector<ObjectTruth> trace_objects(const ObjectTruthRequest& request);
   void trace_layered_depth(const LayeredDepthRequest& request);
 
-  // Rays in local space; hits[i * layers + k]. Arguments are checked by the caller.
+  // Traces rays in local space: hits[i * layers + k]. The caller checks the arguments.
   void trace_rays(sideray_ray_set set, std::span<const sideray_ray> rays, uint32_t layers, sideray_hit* hits);
 
-  // Times a raw frame of the scene as rays hit it, poses included and nothing culled. Nothing else may be traced.
+  // Times a raw frame of the scene with its poses, nothing culled. Nothing else may be traced meanwhile.
   RawFrame time_raw_frame(const RawFrameRequest& request);
 
   uint32_t threads() const;
-  std::string isa() const;     // what is used, e.g. "avx2"
+  std::string isa() const;     // the one in use, e.g. "avx2"
   std::string embree() const;  // "3.13.5"
 
  private:

@@ -20,7 +20,7 @@ sideray_attribute attribute(const std::vector<float>& values) {
   return {values.empty() ? nullptr : values.data(), 0};
 }
 
-// As long as the mesh stays.
+// The result is valid as long as the mesh exists.
 sideray_mesh_desc desc_of(const Mesh& mesh) {
   sideray_mesh_desc desc = sideray_mesh_defaults();
   desc.vertex_count = static_cast<uint32_t>(mesh.positions.size() / 3);
@@ -42,7 +42,7 @@ sideray_material_desc desc_of(const Material& material) {
   return desc;
 }
 
-// Textures are numbered as fill() has added them to an empty scene.
+// Texture numbers are those that fill() gave when it added them to an empty scene.
 void change_materials(Scene& scene, const Content& content) {
   for (const AnimatedMaterial& animated : content.rig->materials)
     for (const AnimatedMaterial::Shown& shown : animated.shown)
@@ -57,8 +57,8 @@ void bend_meshes(Scene& scene, const Content& content) {
     if (!morphed.is_skinned) scene.set_vertices(morphed.mesh + 1, desc_of(content.meshes[morphed.mesh]));
 }
 
-// Skinned ones come unbent, and morphed ones at no node's weights: what a pose folds to nothing would be dropped for
-// good.
+// Adds skinned meshes in their rest pose and morphed ones in a generic shape, because triangles that a pose makes
+// degenerate would be dropped permanently; the pose is set afterwards.
 std::vector<sideray_mesh> add_meshes(Scene& scene, const Content& content) {
   std::vector<sideray_mesh_desc> descs;
   for (const Mesh& mesh : content.meshes) descs.push_back(desc_of(mesh));

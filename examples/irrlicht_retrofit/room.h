@@ -1,5 +1,5 @@
-// The engine's own program: a room in Irrlicht as one wrote it in 2010, left-handed, with the fixed function's lights and
-// materials. It knows nothing of rays.
+// Holds the engine's own code: a room in Irrlicht as it was programmed in 2010, left-handed, with the fixed function's
+// lights and materials. It knows nothing of rays.
 #pragma once
 
 #include <irrlicht/irrlicht.h>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-// Bytes blue, green, red, alpha; top row first.
+// Bytes in the order blue, green, red, alpha; top row first.
 struct Picture {
   unsigned width = 0, height = 0;
   std::vector<unsigned char> bgra;
@@ -22,15 +22,15 @@ class Room {
 
   irr::IrrlichtDevice& device() const { return *device_; }
   irr::scene::ISceneManager& scene() const { return *device_->getSceneManager(); }
-  // Goes on to a moment, so that pictures do not depend on how fast they are drawn.
+  // Sets the scene's time, so that pictures do not depend on the frame rate.
   void set_time(irr::u32 ms);
-  // Edits of a level: a crate comes, or goes.
+  // Edit the level: add or remove a crate.
   void add_crate();
   void remove_crate();
   void show_smoke(bool shown) { smoke_->setVisible(shown); }
   void turn_camera(float degrees);
 
-  // Draws a frame, and copies it where a picture is given; false: the window is closed.
+  // Draws a frame, and copies it to `picture` if that is not null. Returns false when the window is closed.
   bool draw(Picture* picture = nullptr);
   void save(const Picture& picture, const std::string& file) const;
 

@@ -68,7 +68,7 @@ static GLuint compile(GLenum kind, const char* const* parts, int count) {
   return shader;
 }
 
-/* `snippet`: the text of sideray.glsl, or nothing. */
+/* `snippet`: the text of sideray.glsl, or an empty string. */
 static GLuint create_program(const char* snippet, const char* main) {
   static const char* const vertex =
       "#version 120\nvarying vec2 uv, light_uv;\nvarying vec3 world;\n"
@@ -220,7 +220,7 @@ static float distance_to(const struct engine* e, const struct face* f) {
   return dot(middle, middle);
 }
 
-/* The farthest glass that is nearer than `limit`; -1 = none. */
+/* Returns the farthest glass that is nearer than `limit`; -1 if there is none. */
 static int next_glass(const struct engine* e, const struct room* room, float limit) {
   int farthest = -1;
   for (int i = 0; i < face_count; ++i) {

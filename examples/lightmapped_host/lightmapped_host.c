@@ -1,6 +1,6 @@
-/* A lightmapped Blinn-Phong engine in gamma space, whose glass is shaded by rays in its own look: Sideray asks it what
- * surfaces look like (sideray_scene_set_shader). Checks that nothing changes where no ray differs, and that what glass
- * reflects is the room as the engine would draw it. Exit code 0 if all is so.
+/* A lightmapped Blinn-Phong engine in gamma space, whose glass is shaded by rays in the engine's own look: Sideray asks
+ * it for the colour of surfaces (sideray_scene_set_shader). Checks that pixels without glass stay the same, that glass
+ * without reflection looks as before, and that glass reflects the room as the engine draws it. Exit code 0 if so.
  *   lightmapped_host [--size 320x180] [--pictures BEFORE.png AFTER.png] [--in-calls] */
 #include <math.h>
 #include <sideray/sideray.h>
@@ -24,12 +24,12 @@ static void require_ok(sideray_status status, const sideray_error* error) {
 }
 
 static float texture_level(const struct face* face, const float footprint[4]) {
-  if (face->alpha < 1.0f) return 0.0f; /* glass has none */
+  if (face->alpha < 1.0f) return 0.0f; /* glass has no mip level */
   const float along = hypotf(footprint[0], footprint[1]), across = hypotf(footprint[2], footprint[3]);
   return log2f(fmaxf(fmaxf(along, across) * (float)texture_size, 1.0f));
 }
 
-/* On tracing threads, several at once: the room does not change. */
+/* Shades hits. Runs on tracing threads, several at once: the room does not change. */
 static void shade(void* user, const sideray_shading_point* points, size_t count, sideray_shading_result* results) {
   const struct hook* hook = user;
   for (size_t i = 0; i < count; ++i) {
@@ -61,7 +61,8 @@ static void add_face(sideray_scene* scene, const struct room* room, int number) 
   sideray_mesh_desc mesh = sideray_mesh_defaults();
   mesh.vertex_count = 4, mesh.index_count = 6, mesh.indices = indices;
   mesh.positions.data = positions, mesh.uv0.data = uv, mesh.uv1.data = light_uv;
-  sideray_material_desc material = sideray_material_defaults(); /* nothing of it but what rays may pass */
+  sideray_material_desc material = sideray_material_defaults(); /* only its transparency matters, because the shader
+                                                                   gives the look */
   material.double_sided = 1;
   material.alpha_mode = f->alpha < 1.0f ? SIDERAY_BLEND : SIDERAY_OPAQUE;
   material.base_color[3] = f->alpha;
@@ -91,7 +92,7 @@ static sideray_scene* create_scene(struct hook* hook, sideray_shader_thread thre
   return scene;
 }
 
-/* `layers` is what the inputs point at. */
+/* The result points at `layers`. */
 static sideray_frame_inputs frame_inputs(const struct engine* e, sideray_layer_inputs* layers) {
   *layers = sideray_layer_inputs_defaults();
   layers->max_layers = 3;
@@ -106,7 +107,7 @@ static sideray_frame_inputs frame_inputs(const struct engine* e, sideray_layer_i
   return in;
 }
 
-/* A frame of the engine. Without a service, as it was before. */
+/* Draws a frame of the engine; without a service, as it was before. */
 static uint8_t* draw_frame(const struct engine* e, const struct room* room, sideray_service* service, GLuint program) {
   sideray_error error;
   draw_opaque(e, room);
@@ -125,11 +126,11 @@ static uint8_t* draw_frame(const struct engine* e, const struct room* room, side
 /* ---- The checks ---- */
 
 struct difference {
-  int pixels, differing, largest; /* of glass; of these; in 255ths */
+  int pixels, differing, largest; /* count of glass pixels, those that differ, the largest difference in 255ths */
   double mean;
 };
 
-/* Of the pixels that the last frame's mask counts. */
+/* Compares the pixels that the last frame's mask counts. */
 static struct difference compare(const uint8_t* a, const uint8_t* b, const struct engine* e) {
   struct difference d = {0, 0, 0, 0.0};
   const int texels = e->width * e->height;
@@ -154,7 +155,7 @@ static struct difference compare(const uint8_t* a, const uint8_t* b, const struc
   return d;
 }
 
-/* Of all layers, bottom row first: RGBA, A is 1 where there is an answer. The caller frees it. */
+/* Returns all layers, bottom row first: RGBA, A is 1 where there is an answer. The caller frees it. */
 static float* read_layers(sideray_service* service, const struct engine* e) {
   sideray_layer_outputs out = {.size = sizeof(out)};
   require(sideray_service_layers(service, 0, &out, NULL) == SIDERAY_OK, "there is no frame");
@@ -167,7 +168,7 @@ static float* read_layers(sideray_service* service, const struct engine* e) {
   return radiance;
 }
 
-/* What the engine draws where a line of sight ends on a face, sharp. */
+/* Computes the colour that the engine draws where a ray hits a face, at the sharpest mip level. */
 static void look_at(const struct room* room, int number, const float at[2], const float position[3],
                     const float direction[3], struct fragment* f, float color[3]) {
   f->face = &room->faces[number];
@@ -182,8 +183,8 @@ static void look_at(const struct room* room, int number, const float at[2], cons
   look(room, f, color);
 }
 
-/* The nearest glass of a pixel with what it reflects, by nothing but the room's faces. False where there is none, where
- * more glass is in the way of what it reflects, and where an edge is within rounding. */
+/* Computes the colour of a pixel's nearest glass and its reflection from nothing but the room's faces. Returns false if
+ * there is no glass, if more glass covers the reflected surface, or if the reflection is too close to an edge. */
 static bool expected_layer(const struct engine* e, const struct room* room, int x, int y, float color[3]) {
   float direction[3] = {((float)x + 0.5f) / (float)e->width * 2.0f - 1.0f,
                         ((float)y + 0.5f) / (float)e->height * 2.0f - 1.0f, -1.0f};
@@ -209,7 +210,7 @@ static bool expected_layer(const struct engine* e, const struct room* room, int 
   return true;
 }
 
-/* Layers with sharp reflections against the room's own geometry. */
+/* Compares layers with sharp reflections to the room's own geometry. */
 static void check_reflections(const struct engine* e, const struct room* room, sideray_service* service) {
   float* radiance = read_layers(service, e);
   int compared = 0, wrong = 0;
@@ -231,8 +232,8 @@ static void check_reflections(const struct engine* e, const struct room* room, s
   require(wrong * 500 <= compared, "what glass reflects is not the room as the engine draws it");
 }
 
-/* Glass that does not reflect: as rasterized. A texture unit may filter RGBA8 in steps of 1/255 (llvmpipe does), and
- * lightmaps count twice. */
+/* Checks that glass without reflection looks as rasterized. A texture unit may filter RGBA8 in steps of 1/255 (llvmpipe
+ * does), and the lightmap's factor of 2 doubles such an error. */
 static void check_look(const struct engine* e, const struct room* room, sideray_service* service,
                        const uint8_t* before) {
   uint8_t* rays = draw_frame(e, room, service, e->glass);
@@ -243,7 +244,7 @@ static void check_look(const struct engine* e, const struct room* room, sideray_
   free(rays);
   free(answered);
   require(look.pixels > e->width * e->height / 5, "too few pixels of glass to compare");
-  /* At the end of a pane a ray may just miss what the rasterizer draws. */
+  /* At the border of a pane a ray may just miss the glass that the rasterizer draws. */
   require(unanswered.differing * 1000 <= look.pixels, "some pixels of glass have no ray-traced answer");
   require(look.largest <= 2 && look.mean < 0.25, "glass that does not reflect looks different by rays");
 }
@@ -291,7 +292,7 @@ int main(int count, char** words) {
   require_ok(sideray_tracer_create(scene, &tracing, &tracer, &error), &error);
   require_ok(sideray_service_create(tracer, &host, &service, &error), &error);
   check_look(&engine, &room, service, before);
-  hook.reflects = hook.sharp = true; /* no frame is in flight */
+  hook.reflects = hook.sharp = true; /* safe, because no frame is in flight */
   free(draw_frame(&engine, &room, service, engine.glass));
   check_reflections(&engine, &room, service);
   hook.sharp = false;

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-/* Color: of highlights, and of the lightmaps' light. */
+/* Colours apply to highlights and to the light in lightmaps. */
 const struct lamp lamps[lamp_count] = {{{-1.5f, 2.7f, 0.4f}, {1.6f, 1.35f, 0.9f}},
                                        {{2.4f, 2.2f, 3.4f}, {0.75f, 0.95f, 1.5f}}};
 
@@ -23,7 +23,7 @@ const char look_glsl[] =
     "  return min(color, vec3(1.0));\n"
     "}\n";
 
-/* As the texture unit filters: `size` texels a side, bilinear; repeated or clamped. */
+/* Samples like the texture unit: `size` texels on each side, bilinear; repeated or clamped. */
 static void sample(const uint8_t* texels, int size, const float uv[2], bool repeats, float color[4]) {
   int index[2][2];
   float weight[2];

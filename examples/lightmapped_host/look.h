@@ -1,5 +1,5 @@
-/* The engine's shading: lightmap times texture and Blinn-Phong highlights, in the 8-bit gamma space that its textures,
- * lightmaps and framebuffer are in. Once as GLSL 1.20 for fragments, once in C for what rays hit. Any thread. */
+/* Declares the engine's shading: lightmap times texture, and Blinn-Phong highlights, in the 8-bit gamma space of its
+ * textures, lightmaps and framebuffer. Once as GLSL 1.20 for fragments, once in C for hits of rays. Any thread. */
 #ifndef LOOK_H
 #define LOOK_H
 
@@ -12,7 +12,8 @@ struct lamp {
 };
 extern const struct lamp lamps[lamp_count];
 
-/* vec3 look(), 0..1, of the uniforms diffuse_map, light_map, eye, normal and the varyings uv, light_uv, world. */
+/* Defines vec3 look(), 0..1, from the uniforms diffuse_map, light_map, eye, normal and the varyings uv, light_uv,
+ * world. */
 extern const char look_glsl[];
 
 struct fragment {
@@ -22,10 +23,10 @@ struct fragment {
   float position[3];
 };
 
-/* The same; `color` is 0..1. */
+/* Computes the same in C; `color` is 0..1. */
 void look(const struct room* room, const struct fragment* fragment, float color[3]);
-/* How much glass adds of what it reflects: Schlick's curve, which blending by alpha leaves whole; 0 of what does not
- * shine. */
+/* Returns the factor of what glass reflects: Schlick's curve, not reduced by alpha, because blending keeps reflections;
+ * 0 for glass that does not reflect. */
 float reflectance(const struct face* face, const float normal[3], const float to_eye[3]);
 
 #endif

@@ -1,5 +1,5 @@
-/* What any host has before Sideray comes: a context, a function table, a framebuffer, geometry, shader compilation, a
- * camera. Ends the program on any failure. */
+/* Declares the parts that any host already has: a context, a function table, a framebuffer, geometry, shader
+ * compilation, a camera. Ends the program on any failure. */
 #ifndef ENGINE_H
 #define ENGINE_H
 
@@ -11,7 +11,7 @@ extern GladGLContext gl;
 
 enum { width = 320, height = 180 };
 
-/* A floor (y = 0) and a pane of glass standing on it: four vertices and six indices each. */
+/* A floor (y = 0) and a pane of glass that stands on it: four vertices and six indices each. */
 extern const float positions[24];
 extern const uint32_t indices[12];
 
@@ -20,11 +20,11 @@ void check_errors(const char* where);
 void create_context(void);
 GLuint create_framebuffer(void); /* RGBA16F and DEPTH24_STENCIL8, bound */
 void create_geometry(void);
-/* `parts`: the texts of the fragment shader, one after the other. */
+/* `parts`: the texts of the fragment shader, in order. */
 GLuint create_program(const char* vertex, const char* const* parts, int count);
 void* get_proc_address(void* user, const char* name);
 
-/* Column-major, from `eye` along -Z, and its inverse. */
+/* Computes a view from `eye` along -Z and its inverse; column-major. */
 void look_forward(const double eye[3], double yfov, double clip_from_world[16], double world_from_clip[16]);
 
 #endif

@@ -1,5 +1,5 @@
-// What MuJoCo draws, as a Sideray scene: geoms become instances, lights and materials those of the fixed function that
-// mjr_render uses. Follows the list that mjv_updateScene makes anew for each frame.
+// Builds a Sideray scene from the objects that MuJoCo draws: geoms become instances; lights and materials follow the
+// fixed function that mjr_render uses. Follows the list that mjv_updateScene creates for each frame.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-// Returns whether a geom is glass that rays draw: its material's name begins with "glass", or its own name or its body's
-// is `also`.
+// Returns whether rays draw a geom as glass: its material's name begins with "glass", or its own name or its body's is
+// `also`.
 bool is_glass(const mjModel& model, const mjvGeom& geom, const std::string& also);
 
 class GlassScene {
@@ -20,13 +20,13 @@ class GlassScene {
   GlassScene(const GlassScene&) = delete;
   GlassScene& operator=(const GlassScene&) = delete;
 
-  // Takes over what has changed since the last frame, and commits.
+  // Updates the scene to the frame's list, and commits.
   void update(const mjvScene& drawn);
   const sideray::Scene& scene() const { return scene_; }
 
  private:
-  using MeshKey = std::array<float, 4>;  // type, data, and of capsules the size
-  using MaterialKey = std::array<float, 11>;  // all that mjr_render reads of a geom's looks
+  using MeshKey = std::array<float, 4>;  // type, data, and the size of capsules
+  using MaterialKey = std::array<float, 11>;  // every value that mjr_render uses for a geom's look
 
   sideray_mesh mesh_of(const mjvGeom& geom);
   sideray_texture texture_of(int texture);

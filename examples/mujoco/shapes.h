@@ -1,4 +1,4 @@
-// Triangles of MuJoCo's geoms. Glass is seen by rays alone, and may be as fine as one likes.
+// Makes triangles of MuJoCo's geoms. Only rays draw glass, so its triangles may be as fine as needed.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -6,11 +6,13 @@
 #include <vector>
 
 struct Shape {
-  std::vector<float> positions, normals, uv;  // of triangles, three vertices each
+  std::vector<float> positions, normals, uv;  // of separate triangles, three vertices each
 };
 
-// Planes, spheres, capsules, ellipsoids, cylinders, boxes and meshes have one; height fields, skins and decoration do not.
+// True for planes, spheres, capsules, ellipsoids, cylinders, boxes and meshes; false for height fields, skins and
+// decoration.
 bool has_shape(const mjvGeom& geom);
 
-// In the geom's frame: capsules and meshes as they are, all else 2 units large, to be scaled by the geom's size.
+// Returns the shape in the geom's frame: capsules and meshes in full size, others 2 units large, to be scaled by the
+// geom's size.
 Shape shape_of(const mjModel& model, const mjvGeom& geom);

@@ -25,7 +25,7 @@ osg::ref_ptr<osg::GraphicsContext> open_window(int width, int height) {
 
 }  // namespace
 
-// Waits for the picture, so that times are those of whole frames, and keeps it where asked.
+// Waits for OpenGL to finish, so that times cover whole frames, and keeps the picture if asked to.
 class Engine::Finish : public osg::Camera::DrawCallback {
  public:
   void operator()(osg::RenderInfo& info) const override {
@@ -43,8 +43,8 @@ class Engine::Finish : public osg::Camera::DrawCallback {
 Engine::Engine(const EngineSettings& settings) : width_(settings.width), height_(settings.height) {
   viewer_ = new osgViewer::Viewer;
   viewer_->setThreadingModel(osgViewer::ViewerBase::SingleThreaded);
-  // OpenSceneGraph pins the drawing thread to one core, and threads made by a pinned thread, as are those of a driver
-  // that draws in software, are pinned with it.
+  // OpenSceneGraph pins the drawing thread to one core. Threads created by a pinned thread, such as those of a software
+  // driver, are pinned to the same core.
   viewer_->setUseConfigureAffinity(false);
   osg::Camera& camera = *viewer_->getCamera();
   if (settings.context == "window") {
@@ -63,7 +63,7 @@ Engine::Engine(const EngineSettings& settings) : width_(settings.width), height_
   if (!scene_)
     throw std::runtime_error(settings.scene + ": OpenSceneGraph cannot read it; write it with retrofit_scene");
   viewer_->setSceneData(scene_);
-  viewer_->setLightingMode(osg::View::NO_LIGHT);  // the scene brings its own
+  viewer_->setLightingMode(osg::View::NO_LIGHT);  // the scene has its own lights
   finish_ = new Finish;
   camera.setFinalDrawCallback(finish_);
   viewer_->realize();

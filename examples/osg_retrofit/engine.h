@@ -1,4 +1,5 @@
-// The engine as it was before the retrofit: OpenSceneGraph, fixed function, one sun, no shadows. One thread.
+// Declares the engine in its state before the retrofit: OpenSceneGraph, fixed function, one sun, no shadows. One
+// thread.
 #pragma once
 
 #include <osg/Group>
@@ -12,9 +13,9 @@
 
 struct EngineSettings {
   std::string scene;             // a file that OpenSceneGraph reads
-  std::string context = "auto";  // "window", or as Offscreen has it
+  std::string context = "auto";  // "window", or a platform of Offscreen
   int width = 640, height = 360;
-  bool debug = false;  // a debug context, where the platform has them
+  bool debug = false;  // a debug context, if the platform supports it
 };
 
 class Engine {
@@ -25,17 +26,17 @@ class Engine {
   osgViewer::Viewer& viewer() { return *viewer_; }
   osg::Group& scene() { return *scene_; }
   void look(const osg::Vec3d& eye, const osg::Vec3d& target, double fov_deg);
-  // A frame: the graph as it is at that time, then its picture.
+  // Draw a frame: first update the graph to a time, then draw it.
   void update(double time_s);
   void draw();
-  // Whether draw() keeps what it draws for picture(): RGB, bottom row first.
+  // Sets whether draw() keeps its result for picture(): RGB, bottom row first.
   void keep_picture(bool keep);
   const osg::Image& picture() const;
-  std::string renderer() const;  // what OpenGL says it is; after the first frame
+  std::string renderer() const;  // OpenGL's name of it; valid after the first frame
 
  private:
   int width_, height_;
-  std::unique_ptr<Offscreen> offscreen_;  // outlives the viewer
+  std::unique_ptr<Offscreen> offscreen_;  // must outlive the viewer
   osg::ref_ptr<osgViewer::Viewer> viewer_;
   osg::ref_ptr<osg::Group> scene_;
   class Finish;

@@ -1,13 +1,13 @@
-// A headless OpenGL context of the engine's own, compatibility profile: a pbuffer with colour, 24 bits of depth and 8
-// of stencil. Current on the thread that made it until it is destroyed.
+// A headless OpenGL context, compatibility profile, that belongs to the engine: a pbuffer with colour, 24 bits of depth
+// and 8 of stencil. It is current on the thread that created it until it is destroyed.
 #pragma once
 
 #include <string>
 
 class Offscreen {
  public:
-  // `platform`: "surfaceless" (Mesa), "device" (the first EGL device that works: NVIDIA without X), or "auto": both in
-  // that order. Throws std::runtime_error.
+  // `platform`: "surfaceless" (Mesa), "device" (the first EGL device that works: NVIDIA without X), or "auto", which
+  // tries both in that order. Throws std::runtime_error.
   Offscreen(const std::string& platform, int width, int height, bool debug);
   ~Offscreen();
   Offscreen(const Offscreen&) = delete;

@@ -18,11 +18,11 @@
 
 namespace {
 
-// Render bins between the opaque one, 0, and the sorted one of blended drawables, 10.
+// Render bins between bin 0 of opaque drawables and the sorted bin 10 of blended ones.
 enum { mask_bin = 5, hook_bin = 6, shadow_bin = 7 };
 constexpr unsigned stencil_bits = 0x3f, first_unit = 4, position_unit = 1, depth_unit = 3;
-// Of the snippet, with their units as sideray_service_bind counts them: until the first frame is bound they must not share
-// one, for samplers of different kinds then make any draw an error.
+// The snippet's samplers with their units, in the order of sideray_service_bind. Until the first frame is bound no two
+// may share a unit, because two samplers of different types on one unit make any draw an error.
 struct Sampler {
   const char* name;
   unsigned unit;
@@ -50,7 +50,7 @@ unsigned handle_of(const osg::Program& program, osg::State& state) {
   return program.getPCP(state)->getHandle();
 }
 
-// Draws a glass drawable once more, into the stencil alone: it counts what lies before the opaque surface.
+// Draws a glass drawable a second time, into the stencil only, to count the glass in front of the opaque surface.
 class MaskCallback : public osg::DrawableCullCallback {
  public:
   MaskCallback() {
@@ -82,7 +82,7 @@ class MaskCallback : public osg::DrawableCullCallback {
 osg::ref_ptr<osg::Geometry> full_screen(const osg::Program& program) {
   osg::ref_ptr<osg::Geometry> quad = osg::createTexturedQuadGeometry({-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
   quad->setCullingActive(false);
-  quad->setComputeBoundingBoxCallback(new osg::Drawable::ComputeBoundingBoxCallback);  // none
+  quad->setComputeBoundingBoxCallback(new osg::Drawable::ComputeBoundingBoxCallback);  // has no bounds
   osg::StateSet& state = *quad->getOrCreateStateSet();
   state.setAttributeAndModes(const_cast<osg::Program*>(&program));
   state.setAttributeAndModes(new osg::BlendFunc(GL_ZERO, GL_SRC_COLOR));
@@ -94,7 +94,7 @@ osg::ref_ptr<osg::Geometry> full_screen(const osg::Program& program) {
 
 }  // namespace
 
-// Draws nothing: its turn is when the opaque picture is finished.
+// Draws nothing; OpenSceneGraph calls it when the opaque picture is finished.
 class Retrofit::Hook : public osg::Drawable {
  public:
   Hook(const sideray::Scene& scene, const RetrofitSettings& settings, const osg::Program& glass,
@@ -108,7 +108,7 @@ class Retrofit::Hook : public osg::Drawable {
     inputs_.frame.source.stencil_bits = stencil_bits;
     inputs_.frame.deadline_ms = settings.deadline_ms;
     inputs_.layers->max_layers = settings.layers;
-    inputs_.layers->ray_reuse = 1.0f / 64.0f;  // of white, which this engine shows as 1
+    inputs_.layers->ray_reuse = 1.0f / 64.0f;  // relative to white, which this engine displays as 1
     if (settings.shadows) {
       inputs_.masks = sideray_mask_inputs_defaults();
       inputs_.masks->shadow_lights = 1;
@@ -116,7 +116,7 @@ class Retrofit::Hook : public osg::Drawable {
     }
   }
 
-  // A failure ends the retrofit, not the engine.
+  // A failure stops the retrofit, not the engine.
   void drawImplementation(osg::RenderInfo& info) const override {
     if (!error_.empty()) return;
     try {
@@ -126,7 +126,7 @@ class Retrofit::Hook : public osg::Drawable {
     }
   }
 
-  // Bound by the pass that multiplies the shadows; filled before it.
+  // The pass that multiplies the shadows binds this texture, which is filled before that.
   osg::Texture2D& depth() const { return *depth_; }
   osg::Uniform& world_from_clip() const { return *world_from_clip_; }
   osg::Uniform& late() const { return *late_; }
@@ -166,7 +166,8 @@ class Retrofit::Hook : public osg::Drawable {
   }
 
   void set_view(const osg::State& state, const osg::Camera& camera) const {
-    // The viewport starts at 0, 0. The matrix as it is drawn with: OpenSceneGraph fits near and far to what is in view.
+    // The viewport starts at 0, 0. The projection must be the one used for drawing, because OpenSceneGraph fits near
+    // and far to the visible objects.
     const osg::Matrixd clip_from_world = camera.getViewMatrix() * state.getProjectionMatrix();
     const osg::Matrixd world_from_clip = osg::Matrixd::inverse(clip_from_world);
     // Row vectors in row-major order are column vectors in column-major order.
@@ -202,15 +203,16 @@ class Retrofit::Hook : public osg::Drawable {
   void submit_and_take() const {
     service_->advance();
     std::optional<sideray_ticket> ticket = service_->submit(inputs_);
-    // No ticket: three frames are in flight. This frame shows what there is, or waits until it can be submitted.
+    // Without a ticket three frames are in flight. This frame shows the newest answers, or waits until it can be
+    // submitted.
     while (!ticket && settings_.wait) {
       service_->advance();
       ticket = service_->submit(inputs_);
     }
     if (settings_.wait) service_->wait(*ticket);
-    // This engine never cuts: what a deadline leaves out of the next frames shows the answers of those before.
+    // This engine's view is continuous, so where a deadline leaves out rays of later frames, older answers are shown.
     if (ticket) inputs_.frame.continues = 1;
-    // Layers are the last job of a frame here, so that its statistics are complete.
+    // Layers are a frame's last job here, so that its statistics are complete.
     if (const auto newest = service_->layers()) {
       newest_ = newest->ticket;
       stats_ = service_->stats(newest_);
@@ -241,7 +243,8 @@ Retrofit::Retrofit(osgViewer::Viewer& viewer, osg::Group& root, const sideray_os
       shadow_program_(program_of("shadows by rays", shadow_vertex, shadow_fragment)) {
   const osg::ref_ptr<MaskCallback> mask = new MaskCallback;
   osg::ref_ptr<osg::TexGen> world_position = new osg::TexGen;
-  world_position->setMode(osg::TexGen::EYE_LINEAR);  // of the eye's planes when the view was set: world positions
+  world_position->setMode(osg::TexGen::EYE_LINEAR);  // eye planes are transformed when the view is set, which gives
+                                                     // world positions
   for (const sideray_osg::Glass& glass : glass_) {
     glass.drawable->setCullCallback(mask);
     glass.own->getOrCreateStateSet()->addUniform(new osg::Uniform("surface", glass.surface_id));
@@ -283,7 +286,7 @@ Retrofit::~Retrofit() {
     for (const GLenum coordinate : {GL_TEXTURE_GEN_S, GL_TEXTURE_GEN_T, GL_TEXTURE_GEN_R})
       glass.blended->removeTextureMode(position_unit, coordinate);
   }
-  // Between frames OpenSceneGraph has no context current.
+  // Between frames OpenSceneGraph has no current context.
   osg::GraphicsContext* const context = viewer_.getCamera()->getGraphicsContext();
   context->makeCurrent();
   hook_->close();

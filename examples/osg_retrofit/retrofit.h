@@ -1,5 +1,6 @@
-// The hook: what asks Sideray for a frame between the engine's opaque and blended draws, and what reads the answers.
-// The thread that draws, with the engine's context current; adapter and graph are only touched in the constructor.
+// Connects Sideray to the engine: requests a frame between the engine's opaque and blended draws, and reads the
+// answers. On the thread that draws, with the engine's context current; adapter and graph are used in the constructor
+// only.
 #pragma once
 
 #include <osg/Group>
@@ -14,25 +15,26 @@
 #include "sideray_osg.h"
 
 struct RetrofitSettings {
-  bool wait = true;  // for this frame's rays; else the frame shows the newest answers there are, mostly one frame old
+  bool wait = true;  // for this frame's rays; otherwise the frame shows the newest answers, mostly one frame old
   uint32_t layers = 4;
   bool shadows = true;
-  float deadline_ms = 0;  // rays that have not begun by then are given up, and older answers shown; 0 = none
-  uint32_t threads = 0;   // 0 = all
+  float deadline_ms = 0;  // rays not started by then are dropped, and older answers shown; 0: no deadline
+  uint32_t threads = 0;   // 0: all
 };
 
 class Retrofit {
  public:
   Retrofit(osgViewer::Viewer& viewer, osg::Group& root, const sideray_osg::SceneAdapter& adapter,
            const RetrofitSettings& settings);
-  // Takes everything off the graph again; the engine draws as before. On the thread that draws.
+  // Removes everything from the graph, so that the engine draws as before. On the thread that draws.
   ~Retrofit();
   Retrofit(const Retrofit&) = delete;
   Retrofit& operator=(const Retrofit&) = delete;
 
   void set_wait(bool wait);
   void set_deadline(float milliseconds);
-  // Why it gave up, empty while all is well. Then destroy it: glass without answers is not drawn right.
+  // Returns the reason why the retrofit stopped, empty if it runs. Destroy it then: glass without answers is drawn
+  // wrong.
   const std::string& error() const;
   // Return the statistics of the newest finished frame, and its ticket; 0 before the first.
   sideray_frame_stats stats() const;

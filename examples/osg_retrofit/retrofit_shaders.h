@@ -1,8 +1,8 @@
-// The shader lines of the retrofit. GLSL 1.30; sideray_glsl(130) goes between the #version line and these.
+// Holds the shader lines of the retrofit. GLSL 1.30; sideray_glsl(130) goes between the #version line and these.
 #pragma once
 
-// A glass drawable as the fixed function blended it (its lit colour plus the sphere map), by rays where they have an
-// answer. Vertices stay with the fixed function: unit 1 generates world positions.
+// Draws a glass drawable as the fixed function blended it (its lit colour plus the sphere map), with answers of rays
+// where there are any. The fixed function transforms vertices: unit 1 generates world positions.
 inline constexpr char glass_fragment[] = R"(
 uniform sampler2D sheen;
 uniform uint surface;
@@ -12,8 +12,8 @@ void main() {
 }
 )";
 
-// Drawn over the opaque picture, which it multiplies by what is left of a surface's light where the sun is hidden. The
-// fixed function keeps no normals: they are found in a copy of the depth buffer.
+// Multiplies the opaque picture by the light that remains where the sun is hidden. The fixed function stores no
+// normals, so they are computed from a copy of the depth buffer.
 inline constexpr char shadow_vertex[] = "#version 130\nvoid main() { gl_Position = gl_Vertex; }\n";
 inline constexpr char shadow_fragment[] = R"(
 uniform sampler2D depth;

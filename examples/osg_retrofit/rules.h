@@ -1,4 +1,4 @@
-// What this engine's owner tells the adapter about the terrace: what its classic materials do not say. Any thread.
+// Declares the engine owner's rules for the terrace: facts that its classic materials do not express. Any thread.
 #pragma once
 
 #include "sideray_osg.h"

@@ -1,5 +1,5 @@
-// An OpenSceneGraph scene as a Sideray scene: what the owner of such an engine copies. Knows OpenSceneGraph and
-// Sideray, calls no OpenGL. The thread that updates the scene graph.
+// Builds a Sideray scene from an OpenSceneGraph scene: code for the owner of such an engine to copy. Knows
+// OpenSceneGraph and Sideray, calls no OpenGL. On the thread that updates the scene graph.
 #pragma once
 
 #include <osg/Geometry>
@@ -15,34 +15,34 @@
 
 namespace sideray_osg {
 
-// What the scene graph does not say.
+// Holds facts that the scene graph does not express.
 struct Rules {
-  // Numbers of the lights whose shadows are traced. The others light, unshadowed, as they do in the engine.
+  // Lists the numbers of the lights whose shadows are traced. Other lights shine without shadows, as in the engine.
   std::set<int> shadow_lights = {0};
-  // Changes what was made of a state set, before it becomes a material: how much its glass reflects, for example.
+  // Changes the result for a state set before it becomes a material: how much its glass reflects, for example.
   std::function<void(const osg::StateSet&, sideray_material_desc&)> adjust;
 };
 
-// A blended drawable, as often as the graph shows it.
+// A blended drawable at one place in the graph.
 struct Glass {
   osg::ref_ptr<osg::Drawable> drawable;
-  osg::ref_ptr<osg::StateSet> blended;  // the state set that turns blending on
-  osg::ref_ptr<osg::Node> own;          // the lowest node that no other place in the graph shares
+  osg::ref_ptr<osg::StateSet> blended;  // the state set that enables blending
+  osg::ref_ptr<osg::Node> own;          // the lowest node used at no other place in the graph
   uint32_t surface_id;
 };
 
-// Of the first light whose shadows are traced, as the engine reckons with it.
+// Holds the first light with traced shadows, in the engine's units.
 struct Lighting {
   osg::Vec3 toward_sun, sun, ambient;
 };
 
 class SceneAdapter {
  public:
-  // Reads all that is under `root`: geometries, their state sets, directional lights. Throws sideray::Error or
-  // std::runtime_error on what it cannot map.
+  // Reads all geometries below `root`, their state sets, and directional lights. Throws sideray::Error or
+  // std::runtime_error for state that has no equivalent.
   SceneAdapter(osg::Node& root, const Rules& rules);
 
-  // Follows nodes that have moved since; commits where any has. Returns how many instances moved.
+  // Updates the instances of nodes that moved since the last call, and commits if there are any. Returns their count.
   size_t update();
 
   const sideray::Scene& scene() const { return scene_; }

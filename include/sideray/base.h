@@ -1,4 +1,4 @@
-/* Status, errors, versions of structs and the library's own version: what every other header of Sideray builds on. */
+/* Status, errors, versions of structs and the library's own version: the base of all other headers. */
 #ifndef SIDERAY_BASE_H
 #define SIDERAY_BASE_H
 
@@ -37,12 +37,12 @@ typedef struct sideray_error {
 } sideray_error;
 
 
-/* The version of the library that is loaded; SIDERAY_VERSION_* is that of the headers. */
+/* Returns the version of the loaded library; SIDERAY_VERSION_* is that of the headers. */
 SIDERAY_API void sideray_version(int* major, int* minor, int* patch);
 
-/* Declares sideray_NAME_init, which fills the first `size` bytes of a struct with the defaults of all fields that lie
- * in them, and the inline sideray_NAME_defaults, which returns a filled struct. The inline one is compiled by the
- * caller, so that a library whose struct has grown never writes behind the caller's. */
+/* Declares sideray_NAME_init, which fills the first `size` bytes of a struct with the defaults of the fields in them,
+ * and the inline sideray_NAME_defaults, which returns a filled struct. The caller compiles the inline function, so a
+ * library with a larger struct never writes beyond the caller's. */
 #define SIDERAY_DEFAULTS(type, name)                            \
   SIDERAY_API void sideray_##name##_init(type* out, size_t size); \
   static inline type sideray_##name##_defaults(void) {          \

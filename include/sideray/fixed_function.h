@@ -1,6 +1,6 @@
-/* The fixed function of OpenGL 1.x as the light and material model of a scene (The OpenGL Graphics System, version 2.1,
- * sections 2.14 and 3.8.13), for engines that light by glLight and glMaterial. Rays then give what the engine would have
- * drawn: displayed values, lit at each point. docs/fixed-function.md has an example.
+/* The fixed function of OpenGL 1.x as a scene's light and material model (The OpenGL Graphics System, version 2.1,
+ * sections 2.14 and 3.8.13), for engines that light by glLight and glMaterial. Rays then return what the engine would
+ * have drawn: displayed values, lit at each point. docs/fixed-function.md has an example.
  *
  * Conventions are those of sideray.h. */
 #ifndef SIDERAY_FIXED_FUNCTION_H
@@ -12,22 +12,22 @@
 extern "C" {
 #endif
 
-/* What glLight is given, but for places and directions, which are in world space. Colours are 0..1e15. */
+/* The parameters of glLight, except that positions and directions are in world space. Colours are 0..1e15. */
 typedef struct sideray_fixed_light {
   size_t size; /* also how far apart the lights of an array lie */
   float ambient[3], diffuse[3], specular[3];
   double position[4];      /* xyz / w; w = 0: xyz is the way to a directional light */
-  float spot_direction[3]; /* the way the light travels, any length */
+  float spot_direction[3]; /* direction in which the light travels, any length */
   float spot_exponent;     /* 0..128 */
-  float spot_cutoff_deg;   /* 0..90, or 180: it shines all around */
+  float spot_cutoff_deg;   /* 0..90, or 180 = all around */
   float constant_attenuation, linear_attenuation, quadratic_attenuation; /* >= 0, not all 0 */
-  int32_t casts_shadows; /* 0: nothing takes its diffuse and specular light away, as in an engine whose masks leave it out */
+  int32_t casts_shadows; /* 0: its diffuse and specular light is never blocked, as in engines that give it no shadows */
 } sideray_fixed_light;
 
-/* GL_LIGHT1 and up, which are dark, with shadows; GL_LIGHT0 has diffuse and specular 1. */
+/* As GL_LIGHT1 and up, which are dark, with shadows; GL_LIGHT0 has diffuse and specular 1. */
 SIDERAY_DEFAULTS(sideray_fixed_light, fixed_light)
 
-/* Which colours of a material are those of the vertices: glColorMaterial. */
+/* Which colours of a material follow the vertex colours: glColorMaterial. */
 enum {
   SIDERAY_FOLLOW_AMBIENT = 1u,
   SIDERAY_FOLLOW_DIFFUSE = 2u, /* alpha too */
@@ -36,8 +36,8 @@ enum {
   SIDERAY_FOLLOW_EMISSION = 8u
 };
 
-/* What the texture of unit 0, sideray_material_desc::base_color_texture, does to the lit colour: GL_TEXTURE_ENV_MODE for
- * a texture of GL_RGBA. */
+/* How the texture of unit 0, sideray_material_desc::base_color_texture, changes the lit colour: GL_TEXTURE_ENV_MODE for
+ * a GL_RGBA texture. */
 typedef enum sideray_texture_environment {
   SIDERAY_ENVIRONMENT_MODULATE = 0,
   SIDERAY_ENVIRONMENT_DECAL = 1,
@@ -46,49 +46,49 @@ typedef enum sideray_texture_environment {
   SIDERAY_ENVIRONMENT_FORCE_32 = 0x7fffffff
 } sideray_texture_environment;
 
-/* What glMaterial is given. Alpha is base_color[3] of the sideray_material_desc, whose alpha and blend mode, culling,
- * textures of colour and normals and, where it bends light, transmission, ior and volume count as ever. `unlit` is
- * glDisable(GL_LIGHTING): what the vertices' colours times base_color say. */
+/* The parameters of glMaterial. Alpha is base_color[3] of the sideray_material_desc. That struct's alpha and blend
+ * mode, culling, textures of colour and normals and, if it bends light, transmission, ior and volume keep their
+ * meaning. `unlit` is glDisable(GL_LIGHTING): the colour is vertex colour times base_color. */
 typedef struct sideray_fixed_material {
   size_t size;
   float ambient[3], diffuse[3], specular[3], emission[3];
   float shininess;        /* 0..128 */
-  uint32_t follows_color; /* SIDERAY_FOLLOW_*: these are the vertices' colours; a mesh without colours has white ones */
+  uint32_t follows_color; /* SIDERAY_FOLLOW_*: taken from vertex colours, which are white in a mesh without them */
   sideray_texture_environment environment;
-  /* An addition to the fixed function: the share of the mirrored radiance that is added, seen head on, 0..1. 0 = no ray
-   * is traced. docs/embedding.md says which value looks right where displayed values are blended. */
+  /* An extension of the fixed function: the weight of the mirrored radiance that is added, at normal incidence, 0..1. 0
+   * = no ray is traced. docs/embedding.md says which value looks right if displayed values are blended. */
   float reflectance[3];
-  int32_t fresnel; /* the reflectance grows to 1 at grazing angles (Schlick 1994); 0 = it is the same from everywhere */
+  int32_t fresnel; /* the reflectance grows to 1 at grazing angles (Schlick 1994); 0 = constant */
 } sideray_fixed_material;
 
-/* As OpenGL has it at first: ambient 0.2, diffuse 0.8, the rest black; MODULATE. */
+/* OpenGL's initial values: ambient 0.2, diffuse 0.8, the rest black; MODULATE. */
 SIDERAY_DEFAULTS(sideray_fixed_material, fixed_material)
 
-/* What glLightModel is given, and all lights that are enabled. */
+/* The parameters of glLightModel, and all enabled lights. */
 typedef struct sideray_fixed_function {
   size_t size;
   const sideray_fixed_light* lights; /* all have the `size` of the first; they are copied */
   size_t light_count;                /* 0..4096 */
   float ambient[3];                  /* GL_LIGHT_MODEL_AMBIENT */
-  int32_t local_viewer;              /* GL_LIGHT_MODEL_LOCAL_VIEWER; else the viewer is where the frame's view has +z */
+  int32_t local_viewer;              /* GL_LIGHT_MODEL_LOCAL_VIEWER; 0: the viewer is toward +z of the frame's view */
   int32_t two_sided;                 /* GL_LIGHT_MODEL_TWO_SIDE, with one material for both sides */
-  int32_t separate_specular;         /* GL_SEPARATE_SPECULAR_COLOR: it is added behind the texture */
-  /* What the engine's pictures hold: the environment, which is linear, is brought into it where rays see it. */
+  int32_t separate_specular;         /* GL_SEPARATE_SPECULAR_COLOR: specular is added after texturing */
+  /* The space of the engine's pictures: the linear environment is converted to it where rays see it. */
   sideray_radiance_space radiance_space;
 } sideray_fixed_function;
 
 /* No light, ambient 0.2, GAMMA22. */
 SIDERAY_DEFAULTS(sideray_fixed_function, fixed_function)
 
-/* From the next commit on, surfaces of frames are shaded by the fixed function: layers and composites, what they and
- * opaque surfaces reflect, and what is behind bent glass. All is copied. Its lights take the place of the scene's, which
- * masks go on to shade by: give both the same places. What is shaded is a displayed value, and radiance_space and
- * radiance_scale of layers are not read. Sideray's own renderer and references, which draw light, refuse such a scene,
- * and a shader of the host excludes it. NULL: the built-in model. */
+/* From the next commit on, surfaces of frames are shaded by the fixed function: in layers and composites, in
+ * reflections of these and of opaque surfaces, and behind bent glass. Everything is copied. Its lights replace the
+ * scene's, but masks still use the scene's: give both the same positions. Shaded values are displayed values, and
+ * radiance_space and radiance_scale of layers are not read. Sideray's own renderer and references, which draw linear
+ * light, refuse such a scene, and it cannot be combined with a shader of the host. NULL: the built-in model. */
 SIDERAY_API sideray_status sideray_scene_set_fixed_function(sideray_scene* scene, const sideray_fixed_function* model,
                                                             sideray_error* error);
-/* Gives `material` what the fixed function reads of it. It keeps it until it is removed; without, its ambient and diffuse
- * colours are its base colour, and its emission its emissive one. NULL: without. */
+/* Sets the fixed function's properties of `material`, until it is removed or they are replaced. NULL removes them.
+ * Without them, its ambient and diffuse colours are its base colour, and its emission is its emissive colour. */
 SIDERAY_API sideray_status sideray_scene_set_fixed_material(sideray_scene* scene, sideray_material material,
                                                             const sideray_fixed_material* fixed, sideray_error* error);
 

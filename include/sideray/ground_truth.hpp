@@ -7,7 +7,7 @@
 
 namespace sideray {
 
-// Top row first: rays[y * width + x].
+// Returns the rays of sideray_camera_rays, top row first: rays[y * width + x].
 inline std::vector<sideray_ray> camera_rays(const sideray_camera& camera, uint32_t width, uint32_t height) {
   std::vector<sideray_ray> rays(size_t{width} * height);
   check([&](sideray_error* e) {
@@ -16,7 +16,7 @@ inline std::vector<sideray_ray> camera_rays(const sideray_camera& camera, uint32
   return rays;
 }
 
-// Fills the arrays that the description names.
+// Fills the arrays that the description points to.
 inline void layered_depth(const Tracer& tracer, const sideray_layered_depth_desc& desc) {
   check([&](sideray_error* e) { return sideray_tracer_layered_depth(tracer.get(), &desc, e); });
 }

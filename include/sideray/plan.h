@@ -1,5 +1,5 @@
-/* What a frame of the offscreen tier would do, before it is drawn: which passes run and why, what is kept in textures,
- * and the most work that it can be. Plain memory, no OpenGL; decided where sideray_renderer_render decides it.
+/* Plans: what a frame of the offscreen tier would do, before it is drawn. A plan lists which passes run and why, which
+ * textures are used, and upper bounds of the work. Plain memory, no OpenGL; sideray_renderer_render uses the same code.
  *
  * Conventions are those of sideray.h. */
 #ifndef SIDERAY_PLAN_H
@@ -13,51 +13,51 @@ extern "C" {
 
 typedef struct sideray_plan sideray_plan;
 
-/* Of the committed scene, seen by any camera. Fails as sideray_renderer_render does with these options. The plan is the
- * caller's; it refers to neither scene nor options. */
+/* Makes the plan of a frame of the committed scene, for any camera. Fails where sideray_renderer_render would fail with
+ * these options. The caller owns the plan, which refers to neither scene nor options. */
 SIDERAY_API sideray_status sideray_plan_create(sideray_scene* scene, const sideray_render_options* options,
                                                sideray_plan** plan, sideray_error* error);
-/* The same for a renderer without OpenGL (gl "none"): rays replace the rasterizer, and there are no textures. */
+/* Does the same for a renderer without OpenGL (gl "none"): rays replace the rasterizer, and there are no textures. */
 SIDERAY_API sideray_status sideray_plan_create_without_gl(sideray_scene* scene, const sideray_render_options* options,
                                                           sideray_plan** plan, sideray_error* error);
 SIDERAY_API void sideray_plan_release(sideray_plan* plan); /* NULL is allowed */
 
-/* Everything that a plan returns lives as long as the plan; NULL where there is none of that index. */
+/* Describes a pass. Everything that a plan returns lives as long as the plan; NULL for an index beyond the last. */
 typedef struct sideray_plan_pass {
   sideray_stage stage;
   const char* name; /* as in sideray_stage_time */
   int32_t runs;
-  const char* reason; /* why it runs, or is left out */
+  const char* reason; /* why it runs, or does not */
 } sideray_plan_pass;
 
-/* Every stage once, in the order of sideray_stage, but for the total. */
+/* Return every stage once, in the order of sideray_stage, without the total. */
 SIDERAY_API size_t sideray_plan_pass_count(const sideray_plan* plan);
 SIDERAY_API const sideray_plan_pass* sideray_plan_pass_at(const sideray_plan* plan, size_t index);
 
-/* Layers of the cache that the frame fills, or SIDERAY_COMPOSITE's most surfaces a ray (0 = unlimited): no more than
- * were asked for. 0 where no translucent surface is traced. */
+/* Returns the layers that the frame's cache holds, or for SIDERAY_COMPOSITE the most surfaces a ray (0 = unlimited): at
+ * most the requested number. 0 if no translucent surface is traced. */
 SIDERAY_API uint32_t sideray_plan_layers(const sideray_plan* plan);
 
-/* The most by which donors may differ for layers to reuse their rays: sideray_translucency_options::ray_reuse, or
- * what AUTO comes to. 0: every layer traces its own rays. */
+/* Returns the maximum spread among donors up to which layers reuse their rays: sideray_translucency_options::ray_reuse,
+ * or the value that AUTO stands for. 0: every layer traces its own rays. */
 SIDERAY_API float sideray_plan_ray_reuse(const sideray_plan* plan);
-/* 1 where ambient occlusion, or reflections of opaque surfaces, are traced: as sideray_render_options say, or what AUTO comes
- * to. In a reference 1 where reflections are asked for. */
+/* Returns 1 if ambient occlusion (reflections of opaque surfaces) is traced, as requested in sideray_render_options or
+ * chosen by AUTO. In a reference reflections return 1 if requested. */
 SIDERAY_API int32_t sideray_plan_ao(const sideray_plan* plan);
-/* 1 where the light that surfaces throw on each other is traced. */
+/* Returns 1 if light that surfaces reflect onto each other is traced. */
 SIDERAY_API int32_t sideray_plan_bounce(const sideray_plan* plan);
 SIDERAY_API int32_t sideray_plan_reflections(const sideray_plan* plan);
 
-/* A texture, or an array of `layers`, that the frame reads or writes; buffers used in place of one count as one.
- * Textures of the scene that are equal in size and format are one entry of `layers`, with all mip levels. Shadow maps
- * and the scene's textures may be smaller if the driver does not allow their size. Not listed: 1x1 textures that
- * replace missing ones, and the fragment lists of SIDERAY_OIT_ABUFFER, whose size depends on the picture. */
+/* A texture, or an array of `layers`, that the frame reads or writes; buffers that replace one are counted as one.
+ * Textures of the scene with equal size and format are one entry of `layers`, with all mip levels. Shadow maps and the
+ * scene's textures may be smaller if the driver does not allow their size. Not listed: 1x1 textures that replace
+ * missing ones, and the fragment lists of SIDERAY_OIT_ABUFFER, whose size depends on the picture. */
 typedef struct sideray_plan_texture {
   const char* name;
-  const char* format; /* OpenGL's name of it, without GL_ */
+  const char* format; /* OpenGL's name, without GL_ */
   uint32_t width, height, layers;
   uint64_t bytes;
-  int32_t of_service; /* counted by bytes_cache of sideray_render_stats */
+  int32_t of_service; /* included in bytes_cache of sideray_render_stats */
 } sideray_plan_texture;
 
 SIDERAY_API size_t sideray_plan_texture_count(const sideray_plan* plan);
@@ -65,7 +65,7 @@ SIDERAY_API const sideray_plan_texture* sideray_plan_texture_at(const sideray_pl
 
 #define SIDERAY_UNBOUNDED UINT64_MAX
 
-/* Upper bounds of the counters of sideray_render_stats; SIDERAY_UNBOUNDED if only the scene's content bounds one.
+/* Upper bounds of the counters of sideray_render_stats; SIDERAY_UNBOUNDED if only the scene's content limits one.
  * bytes_cache is exact, and so is bytes_readback without a second wave. */
 typedef struct sideray_plan_work {
   uint64_t rays_primary, rays_reflection, rays_shadow, rays_ao;
@@ -76,34 +76,35 @@ typedef struct sideray_plan_work {
 
 SIDERAY_API const sideray_plan_work* sideray_plan_most_work(const sideray_plan* plan);
 
-/* The facts of a committed scene by which frames decide which options have an effect. */
+/* Facts about a committed scene, by which a frame decides which options have an effect. */
 typedef struct sideray_scene_facts {
   size_t size;
   uint64_t triangles, instances, materials;
   uint64_t translucent_objects;
-  uint64_t layered_objects;  /* of them, those that may have layers: visible in layers, with a surface id */
-  uint64_t most_layers;      /* most surfaces of these that one ray can hit; SIDERAY_UNBOUNDED: 64 or more */
-  uint64_t most_surfaces;    /* the same of all translucent objects */
+  uint64_t layered_objects;  /* translucent objects that may have layers: visible in layers, with a surface id */
+  uint64_t most_layers;      /* most surfaces of layered objects that one ray can hit; SIDERAY_UNBOUNDED: 64 or more */
+  uint64_t most_surfaces;    /* the same for all translucent objects */
   uint64_t sprites;
-  uint64_t lit_lights;       /* that send light */
-  uint64_t swaying_objects;  /* opaque ones that wind moves */
-  uint64_t swaying_copies;   /* the most of them that share one mesh */
+  uint64_t lit_lights;       /* lights that emit */
+  uint64_t swaying_objects;  /* opaque objects that wind moves */
+  uint64_t swaying_copies;   /* the most swaying objects that share one mesh */
   uint64_t inexact_objects[3]; /* that take the inexact shadow test, by sideray_inexact_target */
-  uint64_t glossy_objects;   /* opaque ones that `reflections` mirrors */
-  int32_t has_environment;   /* with light in it */
-  uint64_t traceable_objects; /* translucent ones that may have layers once they are visible in them */
-  uint64_t bending_objects; /* translucent ones on which `refraction` has an effect: they refract or blur */
-  int32_t auto_ao, auto_reflections; /* 1 where SIDERAY_AMBIENT_AUTO and SIDERAY_REFLECTIONS_AUTO trace them */
-  int32_t auto_bounce; /* 1 where SIDERAY_AMBIENT_AUTO traces what surfaces throw on each other */
+  uint64_t glossy_objects;   /* opaque objects smooth enough for `reflections` */
+  int32_t has_environment;   /* one that emits light */
+  uint64_t traceable_objects; /* translucent objects that may have layers once visible in them */
+  uint64_t bending_objects; /* translucent objects that `refraction` affects: they refract or blur */
+  int32_t auto_ao, auto_reflections; /* 1 if SIDERAY_AMBIENT_AUTO (SIDERAY_REFLECTIONS_AUTO) traces them */
+  int32_t auto_bounce; /* 1 if SIDERAY_AMBIENT_AUTO traces light between surfaces */
 } sideray_scene_facts;
 
-/* Fills as much of `facts` as its `size`, which the caller has set, says. */
+/* Fills the first `size` bytes of `facts`; the caller sets `size`. */
 SIDERAY_API sideray_status sideray_plan_scene(sideray_scene* scene, sideray_scene_facts* facts, sideray_error* error);
-/* The angle in degrees under which `cull_angle_deg` of sideray_pose_options takes instances out of what rays hit in this
- * view: itself at 30 degrees of yfov and more, less by tan(yfov / 2) / tan(15 degrees) in narrower views, so that a
- * telephoto view keeps what fills as many of its pixels; 0 in orthographic views, where nothing is taken out. */
+/* Returns the angle in degrees below which `cull_angle_deg` of sideray_pose_options culls instances in this view. It is
+ * cull_angle_deg itself for a yfov of 30 degrees and more. In narrower views it is scaled by tan(yfov / 2) / tan(15
+ * degrees), so that a telephoto view keeps instances of the same size in pixels. In orthographic views, which cull
+ * nothing, it is 0. */
 SIDERAY_API float sideray_plan_cull_angle(const sideray_camera* camera, float cull_angle_deg);
-/* 1 where a surface of this material is drawn as a translucent one: BLEND, or transmission above 0. */
+/* Returns 1 if surfaces of this material are drawn as translucent: BLEND, or transmission above 0. */
 SIDERAY_API int32_t sideray_material_is_translucent(const sideray_material_desc* material);
 
 #ifdef __cplusplus

@@ -1,5 +1,6 @@
-// Lets a Sideray scene follow the scene graph of an engine: each frame the engine names all that it has by keys of its own,
-// and what it no longer names is removed. C++17, header-only; contracts are those of sideray.h. One thread, as with a Scene.
+// Makes a Sideray scene follow an engine's scene graph: each frame the engine names everything that it has by its own
+// keys, and things that it no longer names are removed. C++17, header-only; contracts are those of sideray.h. One
+// thread, as with a Scene.
 //
 //   follower.begin();
 //   for (Node& node : engine) {
@@ -20,26 +21,26 @@ namespace sideray {
 
 class SceneFollower {
  public:
-  // The engine's own: an address, an index, a hash. Of two things of one kind it is never the same.
+  // A key of the engine's own: an address, an index, a hash. Two things of one kind never share a key.
   using Key = uint64_t;
 
   struct Texels {
     uint32_t width, height;
     sideray_texel_format format;
-    const void* rgba;  // as Scene::add_texture() has it
+    const void* rgba;  // as in Scene::add_texture()
   };
   struct Material {
     sideray_material_desc desc = sideray_material_defaults();
     std::optional<sideray_fixed_material> fixed;
   };
 
-  // The caller keeps the scene, and adds nothing to it by himself that is added here.
+  // The caller keeps the scene alive, and adds to it no textures, materials, meshes or instances directly.
   explicit SceneFollower(Scene& scene) : scene_(scene) {}
 
   void begin() { ++round_; }
 
-  // The next three return the thing's name. `fill` is called where the thing is new or its version is not the last one; what
-  // its result points at is read at once.
+  // The next three return the object's name. `fill` is called if the object is new or its version has changed; the data
+  // that its result points to is read at once.
   template <typename Fill>
   sideray_texture texture(Key key, uint64_t version, const Fill& fill) {
     const auto add = [&] {
@@ -69,7 +70,7 @@ class SceneFollower {
     };
     return follow(materials_, key, version, add, replace);
   }
-  // `fill` returns a sideray_mesh_desc. Where `pose` alone is another one, its vertices have moved, and its triangles stay.
+  // `fill` returns a sideray_mesh_desc. If only `pose` has changed, vertices have moved but triangles have not.
   template <typename Fill>
   sideray_mesh mesh(Key key, uint64_t version, uint64_t pose, const Fill& fill) {
     const sideray_mesh name = follow(
@@ -83,7 +84,8 @@ class SceneFollower {
     last = {changes_of(meshes_, key), pose};
     return name;
   }
-  // Its matrix, and whatever else has changed. `desc` is filled from zero, so that its bytes can be compared.
+  // Sets the matrix and everything else that has changed. `desc` must be zeroed before it is filled, because its bytes
+  // are compared.
   sideray_instance instance(Key key, const sideray_instance_desc& desc) {
     Instance& known = instances_[key];
     if (known.round == 0) {
@@ -100,10 +102,10 @@ class SceneFollower {
     known.round = round_;
     return known.name;
   }
-  // For what is changed beside: lights, the environment.
+  // Makes end() commit because of other changes: lights, the environment.
   void commit_at_end() { changed_ = true; }
 
-  // Removes what was not named since begin(), and commits where anything has changed. Returns whether it did.
+  // Removes everything that was not named since begin(), and commits if anything has changed. Returns whether it did.
   bool end() {
     sweep(instances_, [&](Key, const Instance& i) { scene_.remove_instances({&i.name, 1}); });
     sweep(materials_, [&](Key, const Thing& t) { scene_.remove_material(t.name); });
@@ -129,7 +131,7 @@ class SceneFollower {
     sideray_instance_desc desc{};
   };
   struct Pose {
-    uint64_t of = 0, pose = 0;  // how often the mesh had been replaced
+    uint64_t of = 0, pose = 0;  // number of times that the mesh was replaced
   };
   using Things = std::unordered_map<Key, Thing>;
 
@@ -171,7 +173,7 @@ class SceneFollower {
 
   Scene& scene_;
   uint64_t round_ = 0;
-  bool changed_ = true;  // an empty scene is committed too
+  bool changed_ = true;  // an empty scene must be committed too
   Things textures_, materials_, meshes_;
   std::unordered_map<Key, Pose> poses_;
   std::unordered_map<Key, Instance> instances_;

@@ -9,7 +9,7 @@ namespace sideray {
 
 class Content {
  public:
-  // A .gltf or .glb file.
+  // Loads a .gltf or .glb file.
   static Result<Content> load(const std::string& path, const sideray_load_options& options = sideray_load_defaults()) {
     sideray_error error{};
     sideray_content* content = nullptr;
@@ -18,7 +18,7 @@ class Content {
   }
   sideray_content* get() const { return handle_.get(); }
 
-  // Returns the names of the variants of the file's materials, which sideray_load_options::variant may hold.
+  // Returns the names of the file's material variants, which sideray_load_options::variant may hold.
   std::vector<std::string> variants() const {
     std::vector<std::string> names;
     for (size_t i = 0; i < sideray_content_variant_count(get()); ++i)
@@ -26,17 +26,17 @@ class Content {
     return names;
   }
   size_t camera_count() const { return sideray_content_camera_count(get()); }
-  // Where there is none, camera 0 frames the content in a picture of this width / height.
+  // Returns a camera. If there is none, camera 0 frames the content in a picture of this width / height.
   sideray_camera camera(size_t index = 0, float aspect = 16.0f / 9.0f) const {
     sideray_camera camera = sideray_camera_defaults();
     check([&](sideray_error* e) { return sideray_content_camera(get(), index, aspect, &camera, e); });
     return camera;
   }
-  // Into an empty scene, which is committed.
+  // Fills an empty scene and commits it.
   void fill(const Scene& scene, const sideray_fill_options& options = sideray_fill_defaults()) const {
     check([&](sideray_error* e) { return sideray_content_fill(get(), &options, scene.get(), e); });
   }
-  // The content, and the scene that it filled.
+  // Moves the content and the scene that it filled to another time.
   void move(const Scene& scene, double time_s, double previous_time_s) {
     check([&](sideray_error* e) { return sideray_content_move(get(), time_s, previous_time_s, scene.get(), e); });
   }

@@ -9,7 +9,7 @@
 #include <memory>
 #include <optional>
 #if __cplusplus > 201703L
-#include <span>  // hosts of C++20 had it from here before 0.3
+#include <span>  // kept for C++20 hosts that got it from this header before 0.3
 #endif
 #include <stdexcept>
 #include <string>
@@ -19,7 +19,7 @@
 
 namespace sideray {
 
-// Refers to elements that lie behind one another: of a vector, an array, a std::span, or a pointer and a count.
+// Refers to contiguous elements: of a vector, an array, a std::span, or a pointer and a count.
 template <typename T>
 class Span {
  public:
@@ -38,13 +38,13 @@ class Span {
   size_t size_ = 0;
 };
 
-// A failed call as an exception, for those who like them: thrown by Result::value and by check.
+// A failed call as an exception; thrown by Result::value and by check.
 struct Error : std::runtime_error {
   Error(sideray_status error_status, const std::string& message) : std::runtime_error(message), status(error_status) {}
   sideray_status status;
 };
 
-// A value, or why there is none.
+// Holds a value, or the error that explains why there is none.
 template <typename T>
 class [[nodiscard]] Result {
  public:
@@ -64,7 +64,7 @@ class [[nodiscard]] Result {
   sideray_error error_{};
 };
 
-// Calls f(&error) and throws its failure as Error; passes SIDERAY_OK and SIDERAY_NOT_READY through.
+// Calls f(&error); throws a failure as Error, and returns SIDERAY_OK or SIDERAY_NOT_READY.
 template <typename F>
 sideray_status check(F&& f) {
   sideray_error error{};
@@ -81,7 +81,7 @@ class Scene {
     if (sideray_scene_create(&scene, &error) != SIDERAY_OK) return error;
     return Scene(scene);
   }
-  // One more reference to a scene that another owner holds.
+  // Adds a reference to a scene that another owner holds.
   static Scene share(sideray_scene* scene) {
     sideray_scene_retain(scene);
     return Scene(scene);
@@ -93,7 +93,7 @@ class Scene {
     check([&](sideray_error* e) { return sideray_scene_add_mesh(get(), &desc, &mesh, dropped, e); });
     return mesh;
   }
-  // As many vertices as the mesh has; its triangles stay.
+  // Replaces the vertices, as many as the mesh has; its triangles stay.
   void set_vertices(sideray_mesh mesh, const sideray_mesh_desc& desc) {
     check([&](sideray_error* e) { return sideray_scene_set_vertices(get(), mesh, &desc, e); });
   }
@@ -109,7 +109,7 @@ class Scene {
     check([&](sideray_error* e) { return sideray_scene_add_material(get(), &desc, &material, e); });
     return material;
   }
-  // Gives `mesh` another shape.
+  // Replaces the shape of `mesh`.
   void replace_mesh(sideray_mesh mesh, const sideray_mesh_desc& desc, uint32_t* dropped = nullptr) {
     check([&](sideray_error* e) { return sideray_scene_replace_mesh(get(), mesh, &desc, dropped, e); });
   }
@@ -131,7 +131,7 @@ class Scene {
   void remove_material(sideray_material material) {
     check([&](sideray_error* e) { return sideray_scene_remove_material(get(), material, e); });
   }
-  // Returns the name of each.
+  // Returns the names of the instances.
   std::vector<sideray_instance> add_instances(Span<const sideray_instance_desc> descs) {
     std::vector<sideray_instance> instances(descs.size());
     check([&](sideray_error* e) {
@@ -140,7 +140,7 @@ class Scene {
     });
     return instances;
   }
-  // As many descriptions as instances.
+  // Takes as many descriptions as instances.
   void replace_instances(Span<const sideray_instance> instances, Span<const sideray_instance_desc> descs) {
     check([&](sideray_error* e) {
       return sideray_scene_replace_instances(get(), instances.data(), descs.data(), sizeof(sideray_instance_desc),
@@ -152,11 +152,11 @@ class Scene {
       return sideray_scene_remove_instances(get(), instances.data(), instances.size(), e);
     });
   }
-  // Twelve numbers, four columns of three.
+  // Takes twelve numbers, four columns of three.
   void move_instance(sideray_instance instance, const double* world_from_object) {
     check([&](sideray_error* e) { return sideray_scene_move_instances(get(), &instance, 1, world_from_object, e); });
   }
-  // As many surface ids as instances.
+  // Takes as many surface ids as instances.
   void renumber_instances(Span<const sideray_instance> instances, Span<const uint32_t> surface_ids) {
     check([&](sideray_error* e) {
       return sideray_scene_renumber_instances(get(), instances.data(), std::min(instances.size(), surface_ids.size()),
@@ -233,7 +233,7 @@ class Tracer {
   }
   sideray_tracer* get() const { return handle_.get(); }
 
-  // `layers` hits per ray, in the order (distance, surface id, primitive).
+  // Returns `layers` hits per ray, in the order (distance, surface id, primitive).
   std::vector<sideray_hit> trace(sideray_ray_set set, Span<const sideray_ray> rays, uint32_t layers = 1) {
     std::vector<sideray_hit> hits(rays.size() * layers);
     sideray_ray_batch batch = sideray_ray_batch_defaults();
@@ -254,7 +254,7 @@ class Tracer {
   std::unique_ptr<sideray_tracer, Release> handle_;
 };
 
-// The inputs of a frame with its jobs by value. Layers are wanted from the start.
+// The inputs of a frame with its jobs by value. By default it has the job of layers.
 struct FrameInputs {
   sideray_frame_inputs frame = sideray_frame_defaults();  // its pointers to jobs are not read
   std::optional<sideray_layer_inputs> layers = sideray_layer_inputs_defaults();
@@ -262,7 +262,7 @@ struct FrameInputs {
   std::optional<sideray_reflection_inputs> reflections;
   std::optional<sideray_irradiance_inputs> irradiance;
 
-  // The struct of the C interface; it points into this one.
+  // Returns the struct of the C interface, which points into this object.
   sideray_frame_inputs c() const {
     sideray_frame_inputs inputs = frame;
     inputs.layers = layers ? &*layers : nullptr;
@@ -273,7 +273,7 @@ struct FrameInputs {
   }
 };
 
-// Destroy with the context that created it current, or after abandon_context().
+// Must be destroyed with the context that created it current, or after abandon_context().
 class Service {
  public:
   static Result<Service> create(const Tracer& tracer, const sideray_host_gl& host) {
@@ -284,7 +284,7 @@ class Service {
   }
   sideray_service* get() const { return handle_.get(); }
 
-  // Empty where three frames of the view are in flight already.
+  // Returns nothing if three frames of the view are in flight already.
   std::optional<sideray_ticket> submit(const FrameInputs& inputs) { return submit(inputs.c()); }
   std::optional<sideray_ticket> submit(const sideray_frame_inputs& inputs) {
     sideray_ticket ticket = 0;
@@ -295,14 +295,14 @@ class Service {
   void advance() {
     check([&](sideray_error* e) { return sideray_service_advance(get(), e); });
   }
-  // Whether the frame is uploaded; negative = wait for ever.
+  // Returns whether the frame is uploaded. A negative `timeout_ms` waits for ever.
   bool wait(sideray_ticket ticket, int32_t timeout_ms = -1) {
     return check([&](sideray_error* e) { return sideray_service_wait(get(), ticket, timeout_ms, e); }) == SIDERAY_OK;
   }
   void cancel(sideray_ticket ticket) {
     check([&](sideray_error* e) { return sideray_service_cancel(get(), ticket, e); });
   }
-  // Whether these jobs of the frame are uploaded; negative = wait for ever.
+  // Returns whether these jobs of the frame are uploaded. A negative `timeout_ms` waits for ever.
   bool wait_jobs(sideray_ticket ticket, uint32_t jobs, int32_t timeout_ms = -1) {
     return check([&](sideray_error* e) {
              return sideray_service_wait_jobs(get(), ticket, jobs, timeout_ms, e);
@@ -313,7 +313,7 @@ class Service {
     check([&](sideray_error* e) { return sideray_service_finished_jobs(get(), ticket, &jobs, e); });
     return jobs;
   }
-  // Empty before the first finished job of its kind, as the next two.
+  // Returns nothing before the first finished job of its kind; so do the next two.
   std::optional<sideray_layer_outputs> layers(uint32_t view_id = 0) const {
     return newest<sideray_layer_outputs>(view_id, sideray_service_layers);
   }
@@ -326,7 +326,8 @@ class Service {
   std::optional<sideray_irradiance_outputs> irradiance(uint32_t view_id = 0) const {
     return newest<sideray_irradiance_outputs>(view_id, sideray_service_irradiance);
   }
-  // As sideray_instance_desc::world_from_object; empty before such outputs, or where the instance is newer.
+  // Returns a matrix as in sideray_instance_desc::world_from_object; nothing before such outputs, or if the instance is
+  // newer.
   std::optional<std::array<double, 12>> placement(uint32_t job, sideray_instance instance, uint32_t view_id = 0) const {
     std::array<double, 12> matrix{};
     const sideray_status status = check(
@@ -360,7 +361,7 @@ class Service {
   std::unique_ptr<sideray_service, Destroy> handle_;
 };
 
-// The options of a picture with their parts by value; all as sideray_render_defaults has them.
+// The options of a picture with their parts by value, with the defaults of sideray_render_defaults.
 struct RenderOptions {
   sideray_render_options picture = sideray_render_defaults();  // its pointers are not read, but for `diagnostics`
   std::optional<sideray_translucency_options> translucency = sideray_translucency_defaults();
@@ -368,7 +369,7 @@ struct RenderOptions {
   std::optional<sideray_pose_options> poses = sideray_pose_defaults();
   std::optional<sideray_reference_options> reference;
 
-  // The struct of the C interface; it points into this one.
+  // Returns the struct of the C interface, which points into this object.
   sideray_render_options c() const {
     sideray_render_options options = picture;
     options.translucency = translucency ? &*translucency : nullptr;
@@ -379,7 +380,7 @@ struct RenderOptions {
   }
 };
 
-// The options of a picture by name. Copies are sets of their own.
+// The options of a picture by name. Copies are independent sets.
 class Options {
  public:
   static Result<Options> create() {
@@ -398,11 +399,11 @@ class Options {
   Options& operator=(const Options& other) { return *this = Options(other); }
   sideray_options* get() const { return handle_.get(); }
 
-  // An empty value gives the default back.
+  // Sets an option; an empty value restores the default.
   void set(const std::string& name, const std::string& value) {
     check([&](sideray_error* e) { return sideray_options_set(get(), name.c_str(), value.c_str(), e); });
   }
-  // Throws where the options contradict each other.
+  // Throws if options contradict each other.
   void require_consistent() const {
     check([&](sideray_error* e) { return sideray_options_check(get(), e); });
   }
@@ -413,7 +414,7 @@ class Options {
   bool is_set(const std::string& name) const { return sideray_options_is_set(get(), name.c_str()) != 0; }
   bool reads(const std::string& name) const { return sideray_options_reads(get(), name.c_str()) != 0; }
   bool applies(const std::string& name) const { return sideray_options_applies(get(), name.c_str(), nullptr) != 0; }
-  // Valid until the options are changed or gone.
+  // The result is valid until the options are changed or destroyed.
   const sideray_render_options& render() const { return *sideray_options_render(get()); }
 
  private:
@@ -440,14 +441,14 @@ class Picture {
     check([&](sideray_error* e) { return sideray_picture_stats(handle_.get(), &stats, e); });
     return stats;
   }
-  // Every stage once, in their order.
+  // Returns every stage once, in their order.
   std::vector<sideray_stage_time> stages() const {
     std::vector<sideray_stage_time> list;
     for (size_t i = 0; i < sideray_picture_stage_count(handle_.get()); ++i)
       list.push_back(*sideray_picture_stage(handle_.get(), i));
     return list;
   }
-  // Zeros where the picture has no such stage.
+  // Returns zeros if the picture has no such stage.
   sideray_stage_time stage(sideray_stage stage) const {
     for (size_t i = 0; i < sideray_picture_stage_count(handle_.get()); ++i)
       if (const sideray_stage_time* time = sideray_picture_stage(handle_.get(), i); time->stage == stage) return *time;

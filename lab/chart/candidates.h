@@ -1,4 +1,4 @@
-// Lists the configurations that a bound on time or error chooses from. Plain memory; any thread.
+// Lists the configurations from which a bound on time or error chooses. Plain memory; any thread.
 #pragma once
 
 #include "lab/chart/configurations.h"
@@ -7,12 +7,12 @@ namespace sideray::lab {
 
 struct CandidateConfiguration {
   Configuration configuration;
-  std::string drawing, shadows;  // what it says of either: equal where two of them say the same
+  std::string drawing, shadows;  // its way of drawing and of shadows; equal texts for equal ways
 };
 
-// The usual configuration first; then every way to draw translucency with every way to draw shadows, as far as the
-// scene has a use for them, and the choices of a chart of everything. Options in `given` stay as they are: no
-// configuration names them.
+// Returns the usual configuration first, then every way to draw translucency with every way to draw shadows that has an
+// effect in the scene, and the choices of a full chart. Configurations leave out the options in `given`, which are
+// fixed.
 std::vector<CandidateConfiguration> candidate_configurations(const SweepScene& scene, const Configuration& given);
 
 }  // namespace sideray::lab

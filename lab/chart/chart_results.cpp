@@ -37,10 +37,10 @@ CostAndError point_of(const Json& result, const std::string& metric) {
 
 struct Column {
   std::string title;
-  Json::json_pointer at;  // in a row of results.json
+  Json::json_pointer at;  // pointer within a row of results.json
 };
 
-// Title and place of `group`'s keys, of all rows together.
+// Returns titles and pointers for the union of `group`'s keys in all rows.
 std::vector<Column> columns_of(const Json& rows, const std::string& group, const std::string& prefix) {
   std::vector<Column> columns;
   for (const Json& row : rows) {
@@ -74,7 +74,7 @@ std::vector<Column> columns_of(const Json& rows) {
   return columns;
 }
 
-// RFC 4180; what is absent is empty.
+// Returns a CSV cell (RFC 4180); empty for an absent value.
 std::string cell(const Json& row, const Json::json_pointer& at) {
   if (!row.contains(at)) return "";
   const std::string text = row[at].is_string() ? row[at].get<std::string>() : row[at].dump();

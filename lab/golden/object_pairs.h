@@ -1,4 +1,4 @@
-// Which object of one scene is which of another one. Plain memory; any thread.
+// Matches objects between two scenes. Plain memory; any thread.
 #pragma once
 
 #include <cstddef>
@@ -12,10 +12,11 @@ namespace sideray::lab {
 
 constexpr size_t no_object = SIZE_MAX;
 
-// Of each pixel the index of its object; no_object: the background, or a surface that no object has.
+// Returns for each pixel the index of its object; no_object: the background, or a surface that belongs to no object.
 std::vector<size_t> shown_objects(const ShownPicture& shown);
 
-// Of each object of `now` its index in `reference`, or no_object. `now_shown`, `reference_shown`: of each pixel.
+// Returns for each object of `now` its index in `reference`, or no_object. `now_shown` and `reference_shown` have one
+// entry a pixel.
 std::vector<size_t> paired_objects(const std::vector<NamedObject>& now, std::span<const size_t> now_shown,
                                    const std::vector<NamedObject>& reference, std::span<const size_t> reference_shown);
 

@@ -1,5 +1,5 @@
-// Measures how much a sequence of pictures flickers beyond what the reference's own pictures change. Plain memory; one
-// thread at a time may use a meter.
+// Measures how much a sequence of pictures flickers beyond the reference's own changes. Plain memory; one thread at a
+// time may use a meter.
 #pragma once
 
 #include <cstdint>
@@ -10,16 +10,16 @@
 
 namespace sideray::lab {
 
-// All values are of PNG values, and means over pixels and channels.
+// Means over pixels and channels, in PNG values.
 struct Flicker {
   uint32_t frames = 0;
-  // These are half the mean square of the change from a frame to the next. For noise that is new in every frame that is
-  // its variance (von Neumann 1941), for what stands still 0, for slow changes little.
+  // Half the mean square of the change between frames. It is the variance of noise that is new in every frame (von
+  // Neumann 1941), 0 for static content, and small for slow changes.
   double energy = 0, reference_energy = 0;
-  // This is the same for the difference between picture and reference: right motion is in both and does not count, so
-  // that it shows flicker that blur hides from `energy - reference_energy`.
+  // The same for the difference between picture and reference: correct motion is in both and does not count, so it
+  // shows flicker that blur hides from `energy - reference_energy`.
   double error_energy = 0;
-  // This is the variance of each value over all frames, less the reference's.
+  // Variance of each value over all frames, minus the reference's.
   double excess_variance = 0;
 
   double excess_energy() const { return energy - reference_energy; }
@@ -30,10 +30,10 @@ class FlickerMeter {
   FlickerMeter() = default;
   explicit FlickerMeter(const Display& display) : display_(display) {}
 
-  // Adds the sequence's next pictures. Throws Error where their size differs from the others' or R, G or B is missing.
+  // Adds the sequence's next pictures. Throws Error if their size differs from earlier ones or R, G or B is missing.
   void add(const scenes::Image& test, const scenes::Image& reference);
 
-  // Returns zeros for a single frame: nothing changes in it.
+  // Returns zeros for a single frame.
   Flicker result() const;
 
  private:

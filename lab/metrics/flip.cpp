@@ -14,7 +14,7 @@ namespace {
 
 using glm::vec3;
 
-// The matrix has the Rec.709 primaries, D65, as exact fractions; columns are the XYZ of red, green and blue.
+// Rec.709 primaries with D65, as exact fractions; columns are the XYZ of red, green and blue.
 const glm::dmat3 xyz_from_rgb_exact(10135552.0 / 24577794.0, 2613072.0 / 12288897.0, 1425312.0 / 73733382.0,
                                     8788810.0 / 24577794.0, 8788810.0 / 12288897.0, 8788810.0 / 73733382.0,
                                     4435075.0 / 24577794.0, 887015.0 / 12288897.0, 70074185.0 / 73733382.0);
@@ -41,7 +41,7 @@ float lab_curve(float t) {
   return t > delta * delta * delta ? std::cbrt(t) : t / (3.0f * delta * delta) + 4.0f / 29.0f;
 }
 
-// Converts to CIELAB with the Hunt effect: chroma fades with lightness.
+// Converts to CIELAB with the Hunt effect: chroma decreases with lightness.
 vec3 hunt_lab_from_rgb(vec3 rgb) {
   const vec3 xyz = xyz_from_rgb * rgb / white;
   const float x = lab_curve(xyz.x), y = lab_curve(xyz.y), z = lab_curve(xyz.z);
@@ -129,7 +129,7 @@ FeatureKernels feature_kernels() {
   return {normalized(smooth), normalized(edge), normalized(point)};
 }
 
-// Holds what the difference needs of one image.
+// Holds the features of one image that FLIP compares.
 struct Appearance {
   std::array<Plane, 3> smooth_ycxcz;
   Plane edge, point;  // feature magnitudes
@@ -201,8 +201,8 @@ struct Aces {
                      k4 = T(0.14);
 };
 
-// Negative radiance (filtered environments have it) goes through as it is, as in the authors' implementation; the
-// denominator has no real root.
+// Negative radiance (in filtered environments) passes through, as in the authors' implementation; the denominator has
+// no real root.
 vec3 aces(vec3 x) {
   using K = Aces<float>;
   return glm::clamp((x * (K::k0 * x + K::k1)) / (x * (K::k2 * x + K::k3) + K::k4), 0.0f, 1.0f);

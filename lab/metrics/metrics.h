@@ -11,14 +11,13 @@
 
 namespace sideray::lab {
 
-// Metrics that do not apply stay empty: hdr_flip on display images, ssim below 11x11, everything with non-finite
-// pixels.
+// Metrics that do not apply are empty: hdr_flip for display images, ssim below 11x11, all if pixels are not finite.
 struct Metrics {
   std::optional<double> flip, hdr_flip, relmse, relmse_trimmed, psnr, ssim;
   uint64_t nonfinite = 0;  // pixels, in either image
 };
 
-// Says how a linear image becomes display values.
+// Says how a linear image is converted to display values.
 struct Display {
   float exposure_ev = 0;
   scenes::Tonemap tonemap = scenes::Tonemap::pbr_neutral;
@@ -29,13 +28,13 @@ struct Comparison {
   std::vector<float> flip_map;  // LDR-FLIP, one a pixel, top row first; empty with non-finite pixels
 };
 
-// Throws Error where the sizes differ or an image lacks R, G or B.
+// Throws Error if the sizes differ or an image lacks R, G or B.
 Comparison compare(const scenes::Image& test, const scenes::Image& reference, const Display& display = {});
 
-// Returns {"flip": ..., "nonfinite": ...}: only what applies.
+// Returns {"flip": ..., "nonfinite": ...} with the metrics that apply.
 nlohmann::ordered_json to_json(const Metrics& metrics);
 
-// Returns the value of a metric by its JSON name; empty where it does not apply. Throws Error for an unknown name.
+// Returns a metric by its JSON name; empty if it does not apply. Throws Error for an unknown name.
 std::optional<double> metric(const Metrics& metrics, const std::string& name);
 const std::vector<std::string>& metric_names();
 bool larger_is_better(const std::string& name);

@@ -9,7 +9,8 @@
     : Number.isInteger(value) ? value.toLocaleString("en")
     : String(Number(value.toPrecision(4)));
 
-  // What does not apply is absent from a row: a rasterizer moves no bytes and traces no ray, but has no layers to lose.
+  // Values that do not apply are absent from a row: a rasterizer moves no bytes and traces no rays, and has no layers
+  // to lose.
   const bytes = row => row.bytes || {};
   const costs = {
     "time of a frame, ms": row => row.stages_ms.total_frame,
@@ -25,7 +26,7 @@
       if (row.layers && name in row.layers) errors["layers " + name] = other => (other.layers || {})[name];
     if ("dropped_particles" in row) errors["dropped particles"] = other => other.dropped_particles;
   }
-  // What the measures in time mean; docs/cli.md defines them.
+  // Explains the temporal measures; docs/cli.md defines them.
   const meanings = {
     flicker: "change from frame to frame, half its mean square, less the reference's own; below 0: it changes less",
     flicker_of_error: "the change from frame to frame of the difference to the reference: right motion does not count, so that blur hides nothing",
@@ -36,7 +37,7 @@
   };
   const sign = name => (data.larger_is_better.includes(name) ? -1 : 1);
 
-  // The same rule as "pareto" of results.json, for whichever axes are chosen.
+  // Same rule as "pareto" of results.json, for any two axes.
   function front(points, direction) {
     const beats = (a, b) => a.x <= b.x && direction * a.y <= direction * b.y &&
                             (a.x < b.x || direction * a.y < direction * b.y);
@@ -82,7 +83,7 @@
 
   let selected = 0, pareto = null, stages = null;
   let showsOutliers = false;
-  const wantsLog = {};  // by measure, where the reader has switched its axis
+  const wantsLog = {};  // by measure: the reader's choice of a logarithmic axis
 
   // Sets the box of an axis. Returns the range and ticks of a logarithmic axis, undefined for a linear one.
   function chooseScale(box, measure, values) {
@@ -117,7 +118,7 @@
       pointBorderWidth: c => (c.raw && c.raw.i === selected ? 3 : 1),
       pointRadius: c => (c.raw && c.raw.i === selected ? 9 : 6),
       pointHoverRadius: 9,
-      clip: false,  // a point on the end of an axis is drawn whole
+      clip: false,  // draws points at the ends of an axis in full
     });
     const axis = (title, scale, isBetterHigh) => ({
       title: {
@@ -219,7 +220,7 @@
     at("table").replaceChildren(head.parentNode, body);
   }
 
-  // 0 is the reference, 1 + i the point i.
+  // 0 is the reference, 1 + i is point i.
   const pictureOf = value => (value === 0 ? data.reference : data.points[value - 1].picture);
 
   function drawPictures() {
@@ -260,7 +261,7 @@
       ? "Drag over the picture. The pictures are in the page bit for bit as PNG values."
       : `Drag over the picture. The pictures are in the page as JPEG of ${width} x ${height}; images/ has them whole.`;
     const holds = (whole, part) => Object.entries(part).every(([key, value]) => whole[key] === value);
-    // A row that traces nothing does not name the ray tracer; rows of shards may be from several machines.
+    // Rows without rays do not name the ray tracer; rows of shards may come from several machines.
     const devices = [];
     for (const {device} of [...rows].sort((a, b) => Object.keys(b.device).length - Object.keys(a.device).length))
       if (!devices.some(known => holds(known, device))) devices.push(device);

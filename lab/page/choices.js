@@ -1,27 +1,27 @@
 "use strict";
-// Decides what the page shows before its reader has chosen anything: scales of axes, rows of the stages, the title.
-// Nothing here touches the document, so that tests can call each function.
+// Decides the page's initial state: scales of axes, rows of the stages, the title. It does not use the document, so
+// tests can call each function.
 const choices = (() => {
-  const widest = 20;  // the largest value over the least that a linear axis still shows
-  const outlying = 5;  // a row is an outlier if its bar is longer than this many medians
+  const widest = 20;  // the largest ratio of values that a linear axis shows
+  const outlying = 5;  // a bar longer than this many medians is an outlier
 
   const positive = values => values.filter(value => Number.isFinite(value) && value > 0);
   const isWide = values => Math.max(...positive(values)) > widest * Math.min(...positive(values));
 
-  // A scene that is a file is named without its folders.
+  // Names the scene; a file without its folders.
   const sceneName = scene => scene.slice(scene.lastIndexOf("/") + 1) || scene;
 
   const canBeLogarithmic = values => positive(values).length > 0;
-  // Values below 0 keep an axis linear, since a logarithmic one would leave them out. A 0 does not (logarithmicAxis).
+  // Negative values keep an axis linear, because a logarithmic one would leave them out. Zeros do not (see
+  // logarithmicAxis).
   const prefersLogarithmic = values => isWide(values) && !values.some(value => value < 0);
 
-  // Powers of ten are written as text and parsed, because 10 ** -5 is not the number nearest to 0.00001.
+  // Powers of ten are parsed from text, because 10 ** -5 is not the number nearest to 0.00001.
   const decimal = (digit, power) => Number(`${digit}e${power}`);
   const powerOf = value => Number(value.toExponential().split("e")[1]);
 
-  // The range of a logarithmic axis and its ticks. The range ends at numbers of one digit, a little beyond the values.
-  // A 0 among the values has a tick of its own at the low end, at the coordinate `zero`, a tenth of the axis below the
-  // rest.
+  // Returns the range and ticks of a logarithmic axis. The range ends at numbers of one digit, a little beyond the
+  // values. A 0 has a tick of its own at the low end, at the coordinate `zero`, a tenth of the axis below the rest.
   function logarithmicAxis(values) {
     const beyond = 1.04;
     const least = Math.min(...positive(values)) / beyond, greatest = Math.max(...positive(values)) * beyond;
@@ -40,7 +40,7 @@ const choices = (() => {
     return {min: zero, max: high, ticks: [{value: zero, major: true}, ...ticks], zero};
   }
 
-  // The text of a tick: "50", "2,000", "10M", "0.005", "1e-7".
+  // Returns the text of a tick: "50", "2,000", "10M", "0.005", "1e-7".
   const tickText = value =>
     value >= 1e15 || value < 1e-4 ? value.toExponential()
     : value >= 1e6 ? value.toLocaleString("en", {notation: "compact"})
@@ -52,7 +52,7 @@ const choices = (() => {
     return sorted.length % 2 ? sorted[half] : (sorted[half - 1] + sorted[half]) / 2;
   }
 
-  // Indices of the bars beside which the others could not be told apart: none where the lengths do not span much.
+  // Returns the indices of bars so long that the others look alike; none if the lengths are similar.
   function outliers(lengths) {
     if (!isWide(lengths)) return [];
     const bound = outlying * median(positive(lengths));

@@ -6,7 +6,7 @@
   at("summary").textContent = data.summary;
   document.title = data.title + ": " + data.summary;
 
-  // What differs comes first, in the order of the jobs.
+  // Pictures that differ come first, in the order of the jobs.
   const pictures = [...data.pictures.filter(p => !p.holds), ...data.pictures.filter(p => p.holds)];
   for (const picture of pictures) {
     const row = at("list").insertRow();

@@ -1,5 +1,5 @@
 "use strict";
-// The error of one picture split over its shortcuts: bars, a table, and a signed map of the chosen part.
+// Shows the error of one picture split over its shortcuts: bars, a table, and a signed map of the chosen part.
 (() => {
   const ledger = JSON.parse(document.getElementById("data").textContent).ledger;
   if (!ledger) return;

@@ -7,7 +7,7 @@
 namespace sideray::lab {
 namespace {
 
-// A "<" in a name must not end the script that holds it.
+// Escapes "<", so that no name ends the script that holds it.
 std::string script_text(const nlohmann::ordered_json& data) {
   std::string text;
   for (char c : data.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace))
@@ -18,7 +18,7 @@ std::string script_text(const nlohmann::ordered_json& data) {
   return text;
 }
 
-// The template with the files that it names between braces, and the data.
+// Returns the template with the named files inserted between braces, and the data.
 std::string filled(std::string_view html, const nlohmann::ordered_json& data) {
   std::string text;
   for (size_t at = 0; at < html.size();) {

@@ -1,8 +1,8 @@
-// Tests light that bounces where what keeps it over frames and pixels may err, against paths of all bounces: a lamp toggled, a
-// door that opens, a red box that slides over a white floor, a wall of 1 cm, and a camera that moves. The bounds were set
-// before anything was measured: at rest half the FLIP of `--ambient ao`; no ghost longer than what averages keep; nothing
-// that shines through a wall; at most 1.5 times the flicker of `--ambient ao`. What two of them are held against was changed
-// after they had failed: a ghost ends within .01 FLIP of the picture at rest, since noise that converges outlasts it, and
+// Tests indirect light where reuse over frames and pixels may fail, against paths of all bounces: a lamp that is
+// toggled, a door that opens, a red box that slides over a white floor, a wall of 1 cm, and a moving camera. The bounds
+// were set before anything was measured: at rest half the FLIP of `--ambient ao`; no ghost longer than averages
+// explain; no light through a wall; at most 1.5 times the flicker of `--ambient ao`. Two criteria were changed after
+// they had failed: a ghost ends within .01 FLIP of the picture at rest, because converging noise outlasts it, and
 // flicker is counted after the first frames of the sequence.
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double half_wall = 0.005, width_of_door = 0.8, height_of_door = 1.6;
 constexpr uint32_t moving_frames = 8, frames_before = 2 * SettleMeter::period, dolly_frames = 12;
-constexpr float two_codes = 2.0f / 255 / 12.92f;  // of a PNG, in linear light
+constexpr float two_codes = 2.0f / 255 / 12.92f;  // of PNG values, in linear light
 constexpr double visible = 0.01;                  // FLIP
 
 struct Method {
@@ -30,8 +30,8 @@ struct Method {
 constexpr std::array<Method, 2> methods{{{"--ambient bounce", SIDERAY_AMBIENT_BOUNCE, true},
                                          {"--ambient ao", SIDERAY_AMBIENT_AO, false}}};
 
-// Two rooms of 2 x 2 x 3 side by side, without ceilings under a black sky. The left one has a lamp. In the wall between them
-// is a closed door.
+// Two rooms of 2 x 2 x 3 side by side, without ceilings under a black sky. The left one has a lamp. The wall between
+// them has a closed door.
 struct Rooms {
   Scene scene = Scene::create().value();
   sideray_instance door = 0, box = 0;
@@ -51,7 +51,7 @@ void move(Rooms& rooms, sideray_instance instance, glm::dvec3 by) {
   rooms.scene.move_instance(instance, matrix);
 }
 
-// A plate of the wall between the rooms, from z to z and y to y, with both sides and all edges.
+// Adds a plate of the wall between the rooms, from z0 to z1 and y0 to y1, with both sides and all edges.
 sideray_instance add_plate(Scene& scene, double z0, double z1, double y0, double y1, double half,
                            const sideray_material_desc& m) {
   std::vector<glm::vec3> corners;
@@ -75,7 +75,7 @@ Rooms two_rooms() {
   for (const double x : {-2.0, 2.0})
     add_quad(scene, {{{{x, 0, 1.5}, {x, 0, -1.5}, {x, 2, -1.5}, {x, 2, 1.5}}}}, white, 0);
   for (const double z : {-1.5, 1.5}) add_quad(scene, {{{{-2, 0, z}, {2, 0, z}, {2, 2, z}, {-2, 2, z}}}}, white, 0);
-  // The plates reach into each other and through floor and walls, so that no edge lies on another.
+  // The plates overlap each other, floor and walls, so that no edges coincide.
   add_plate(scene, -1.6, -half_door, -0.1, 2, half_wall, white);
   add_plate(scene, half_door, 1.6, -0.1, 2, half_wall, white);
   add_plate(scene, -1.2 * half_door, 1.2 * half_door, height_of_door, 2, 0.999 * half_wall, white);
@@ -104,7 +104,7 @@ scenes::Image draw(StressStage& stage, Rooms& rooms, const sideray_camera& camer
   return image_of(stage.renderer.render(rooms.scene, camera, options).value());
 }
 
-// By paths of all bounces.
+// Draws the truth by paths of all bounces.
 scenes::Image truth_of(StressStage& stage, Rooms& rooms, const sideray_camera& camera) {
   RenderOptions options = picture_options(stage, SIDERAY_SHADOWS_INEXACT);
   options.picture.samples = 16;
@@ -118,7 +118,7 @@ scenes::Image truth_of(StressStage& stage, Rooms& rooms, const sideray_camera& c
 struct Change {
   const char* name;
   uint32_t frames;
-  std::function<void(Rooms&, double share)> happen;  // as much of it as has happened
+  std::function<void(Rooms&, double share)> happen;  // applies this share of the change
 };
 
 const std::vector<Change>& changes() {
@@ -134,7 +134,7 @@ const std::vector<Change>& changes() {
   return all;
 }
 
-// Averages alone leave so many frames of a ghost (stress_settling.cpp): 8 samples while something moves, and
+// Returns how many frames a ghost lasts by averages alone (stress_settling.cpp): 8 samples while something moves, and
 // anti-aliasing.
 double frames_until(double share_left) {
   return 8.0 + std::log(std::min(share_left, 1.0)) / std::log(0.9);
@@ -158,9 +158,9 @@ class Rows {
 
 struct Played {
   double half_life = 0;  // of the ghost, in frames
-  double at_rest = 0;    // FLIP to the truth
-  double at_first = 0;   // the same of the frame in which the change ends
-  uint32_t lag = 0;      // frames until the FLIP stays within `visible` of that at rest
+  double at_rest = 0;    // FLIP against the truth
+  double at_first = 0;   // the same in the frame in which the change ends
+  uint32_t lag = 0;      // frames until the FLIP stays within `visible` of the one at rest
 };
 
 Played play(StressStage& stage, const Method& method, const Change& change) {
@@ -200,7 +200,7 @@ void add_change(StressStage& stage, const Change& change, std::vector<StressRow>
   }
 }
 
-// What lies behind the wall is black: its only opening is up to a black sky.
+// The room behind the wall must be black: its only opening is to a black sky.
 void add_wall(StressStage& stage, const Method& method, double distance, std::vector<StressRow>& rows) {
   Rooms rooms = two_rooms();
   const sideray_camera camera = above(0.3, distance);
@@ -208,7 +208,8 @@ void add_wall(StressStage& stage, const Method& method, double distance, std::ve
   FailureMap map = map_of(stage);
   for (uint32_t frame = 0; frame < 4; ++frame) {
     const scenes::Image seen = draw(stage, rooms, camera, method, frame);
-    const std::vector<float> &values = seen.planes[0].values, &of_truth = truth.planes[0].values;  // all is white
+    const std::vector<float> &values = seen.planes[0].values, &of_truth = truth.planes[0].values;  // all surfaces are
+                                                                                                   // white
     for (size_t i = 0; i < map.wrong.size(); ++i)
       map.wrong[i] |= static_cast<uint8_t>(of_truth[i] == 0.0f && values[i] > two_codes);
   }
@@ -223,7 +224,7 @@ void add_dolly(StressStage& stage, std::vector<StressRow>& rows) {
   rooms.scene.commit();
   std::vector<scenes::Image> truth;
   const auto camera = [](uint32_t frame) { return above(0.02 * frame - 0.2, 5.0); };
-  // What the first frames of a sequence lack is no flicker.
+  // The first frames of a sequence converge, which is no flicker.
   for (uint32_t frame = 0; frame < dolly_frames; ++frame)
     truth.push_back(truth_of(stage, rooms, camera(frames_before + frame)));
   std::array<double, methods.size()> flicker{};

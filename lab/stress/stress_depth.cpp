@@ -1,5 +1,6 @@
-// Tests where shadow rays start, by depth format and offset method, on a floor whose depth is rounded as a depth buffer
-// rounds it. Nothing shadows it, or a plane just above shadows all of it. Rays go through sideray_tracer_trace_rays.
+// Tests the start of shadow rays, by depth format and offset method, on a floor whose depth is rounded like a depth
+// buffer's. Either nothing shadows the floor, or a plane just above shadows all of it. Rays go through
+// sideray_tracer_trace_rays.
 #include <fmt/format.h>
 
 #include <bit>
@@ -30,7 +31,7 @@ constexpr std::array<Method, 5> methods{{{"no offset", Offset::none},
                                          {"256 ulps along the normal", Offset::ulps},
                                          {"half a depth step + 2^-21 z toward the eye", Offset::bound}}};
 
-// Stores planar distances as a depth buffer does, and gives them back.
+// Rounds planar distances as a depth buffer does.
 struct DepthBuffer {
   Format format;
   double near, far;
@@ -46,7 +47,7 @@ struct DepthBuffer {
     const double w = window(z);
     return format == Format::d24 ? std::round(w * codes) / codes : double{static_cast<float>(w)};
   }
-  // Returns the distance that one step of the stored value spans.
+  // Returns the distance that one step of the stored value covers.
   double step(double w) const {
     const auto f = static_cast<float>(w);
     const double code = format == Format::d24 ? 0x1p-24 : double{std::nextafter(f, 2.0f)} - double{f};
@@ -55,8 +56,8 @@ struct DepthBuffer {
   }
 };
 
-// Moves an origin as in Ray Tracing Gems, chapter 6: a fixed number of integer steps of the float, for origins that
-// rays have hit.
+// Moves an origin as in Ray Tracing Gems, chapter 6: by a fixed number of integer steps of the float, for origins at
+// ray hits.
 double moved_by_ulps(double coordinate) {
   const auto f = static_cast<float>(coordinate);
   if (std::abs(f) < 1.0f / 32.0f) return double{f + 1.0f / 65536.0f};
@@ -76,7 +77,7 @@ sideray_ray shadow_ray(glm::dvec3 eye, glm::dvec3 d, double cosine, const DepthB
   return ray;
 }
 
-// Returns the shadow rays of what the eye sees at `height` over the floor, looking 30 degrees down.
+// Returns shadow rays from the surfaces seen at `height` above the floor, looking 30 degrees down.
 std::vector<sideray_ray> shadow_rays(const StressStage& stage, double height, const DepthBuffer& depth, Offset offset) {
   const double angle = glm::radians(30.0), half = std::tan(glm::radians(22.5));
   const glm::dvec3 ahead(0, -std::sin(angle), -std::cos(angle)), up(0, std::cos(angle), -std::sin(angle));

@@ -1,4 +1,4 @@
-// Tests steppers over parallel panes: every pixel sees every pane, so that the layers are known in closed form.
+// Tests steppers on parallel panes: every pixel sees every pane, so that the layers are known in closed form.
 #include <fmt/format.h>
 #include <sideray/diagnostics.h>
 #include <nlohmann/json.hpp>
@@ -20,11 +20,11 @@ constexpr std::array<Stepper, 3> steppers{{{"--diagnose step=multihit", SIDERAY_
                                            {"--diagnose step=listing", SIDERAY_STEP_LISTING, false}}};
 
 struct PaneView {
-  std::vector<Pane> panes;  // in the order of their ids, the nearest first
+  std::vector<Pane> panes;  // ordered by id, the nearest first
   sideray_camera camera;
 };
 
-// Counts the share of layers that do not hold the surface that is there.
+// Counts the share of layers with a wrong surface.
 StressRow count_layers(StressStage& stage, const Scene& scene, const PaneView& view, const Stepper& stepper) {
   const auto layers = static_cast<uint32_t>(view.panes.size());
   RenderOptions options = picture_options(stage);

@@ -1,4 +1,4 @@
-// Tests leaf cards from several pixels to far below one pixel wide, against where the cards are: a grid of squares,
+// Tests leaf cards from several pixels wide to far below one pixel, against their known positions: a grid of squares,
 // each a quarter of its cell, so that every point's shadow and the shaded share are known.
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,8 @@ namespace sideray::lab {
 namespace {
 
 constexpr double eye_height = 5.0, leaf_height = 10.0, fov_deg = 45.0;
-constexpr double turn = 0.37;  // radians of the grid about the line of sight: rows of pixels and leaves do not beat
+constexpr double turn = 0.37;  // radians of the grid about the line of sight, so that rows of pixels and leaves do not
+                               // cause moire
 constexpr double across_x = 0.3137, across_z = 0.7211;  // of a cell, so that no edge lies on a pixel's centre
 
 enum class Leaf { triangles, nearest, trilinear };
@@ -31,7 +32,7 @@ struct Grid {
   double half_extent;  // of the whole grid
 };
 
-// Returns a depth above 0 inside of a leaf, in widths of it from the nearest edge.
+// Returns the distance from the nearest edge, in widths of a leaf: above 0 inside it.
 double depth_in_card(double u, double v) {
   const auto inside = [](double part) {
     return part < 0.5 ? 2.0 * std::min(part, 0.5 - part) : -2.0 * std::min(part - 0.5, 1.0 - part);
@@ -39,7 +40,7 @@ double depth_in_card(double u, double v) {
   return std::min(inside(u), inside(v));
 }
 
-// Does the same for what the cut-off leaves of one opaque texel among four, interpolated: less than the texel.
+// Does the same for the cut-out of one opaque texel among four, interpolated, which is smaller than the texel.
 double depth_in_texel(double u, double v) {
   const auto tent = [](double part) {
     const double texels = 2.0 * std::abs(part - 0.25);
@@ -90,7 +91,7 @@ void add_squares(Scene& scene, const Grid& grid) {
   scene.add_instances({&instance, 1});
 }
 
-// Adds one card as large as the grid, cut out by a texture of 2x2 texels that repeats.
+// Adds one card of the grid's size, cut out by a repeating texture of 2x2 texels.
 void add_cut_out(Scene& scene, const Grid& grid, sideray_filter filter) {
   const double half = grid.half_extent, cell = 2.0 * grid.width;
   const std::array<glm::vec3, 4> positions{glm::vec3(-half, leaf_height, -half), glm::vec3(-half, leaf_height, half),
@@ -120,7 +121,7 @@ void add_cut_out(Scene& scene, const Grid& grid, sideray_filter filter) {
   scene.add_instances({&instance, 1});
 }
 
-// The eye looks down on a floor from below the leaves, which it does not see; light falls straight down.
+// The camera looks down on a floor from below the leaves, which it does not see; light falls straight down.
 Scene scene_of(const Grid& grid, Leaf leaf) {
   Scene scene = Scene::create().value();
   set_light_from_above(scene);
@@ -154,7 +155,7 @@ std::vector<StressRow> rows_of(StressStage& stage, const Method& method, double 
   const Scene scene = scene_of(grid, method.leaf);
   const Picture picture = stage.renderer.render(scene, camera(), options).value();
   const Planes planes(picture);
-  const float* lit = planes.floats("R");  // only the sun lights the floor
+  const float* lit = planes.floats("R");  // the sun is the only light on the floor
   const float half_lit = 0.5f * *std::max_element(lit, lit + planes.pixels());
   StressRow row;
   row.name = "leaves", row.variant = method.variant, row.is_default = method.is_default;
@@ -168,7 +169,7 @@ std::vector<StressRow> rows_of(StressStage& stage, const Method& method, double 
                                          (y + 0.5 - 0.5 * stage.height) * pixel);
       const bool is_dark = lit[i] < half_lit;
       dark += is_dark;
-      // At an edge the rounding of floats decides, so that such points do not count.
+      // At an edge float rounding decides, so such points are not counted.
       if (std::abs(depth) * grid.width < 1e-5 * eye_height) continue;
       judged += 1.0;
       if (is_dark == (depth > 0)) continue;

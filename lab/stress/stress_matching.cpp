@@ -1,4 +1,4 @@
-// Tests matchers over stacks of parallel walls of glass, counted by the renderer's own check against every surface by
+// Tests matchers on stacks of parallel glass walls, counted by the renderer's own check against all surfaces found by
 // rays.
 #include <fmt/format.h>
 #include <sideray/diagnostics.h>
@@ -26,19 +26,19 @@ constexpr std::array<Matcher, 4> matchers{
 
 struct Walls {
   double gap;        // between neighbours, world units
-  double angle_deg;  // between the line of sight and the normal in the middle of the picture
-  double distance;   // to the first wall, in the middle of the picture
+  double angle_deg;  // between the line of sight and the normal, at the middle of the picture
+  double distance;   // to the first wall, at the middle of the picture
   double near;       // near plane, world units
 };
 
-// Returns a rigid placement to which no axis is parallel.
+// Returns a rigid transform with which nothing is parallel to an axis.
 glm::dmat4 world_from_stage(double unit) {
   glm::dmat4 m = glm::translate(glm::dmat4(1.0), unit * glm::dvec3(3.1, -1.7, 2.3));
   m = glm::rotate(m, 0.7, glm::normalize(glm::dvec3(0.3, 1.0, -0.2)));
   return glm::rotate(m, -0.4, glm::normalize(glm::dvec3(1.0, 0.1, 0.5)));
 }
 
-// Places the walls like a floor below the eye that the line of sight hits at the angle; they stand across it at 0.
+// Places the walls below the eye so that the line of sight hits them at the angle; at 0 they are perpendicular to it.
 std::vector<Pane> panes_of(const Walls& walls) {
   constexpr int count = 4;
   const double angle = glm::radians(walls.angle_deg), reach = std::min(0.95 / std::max(std::sin(angle), 0.1), 2.0);
@@ -54,7 +54,7 @@ std::vector<Pane> panes_of(const Walls& walls) {
   return panes;
 }
 
-// Where two pictures of the same surfaces differ, a fragment took a colour that is not its own.
+// Where two pictures of the same surfaces differ, a fragment used the colour of another surface.
 FailureMap differences(const StressStage& stage, const Picture& a, const Picture& b) {
   constexpr float visible = 0.02f;
   FailureMap map = map_of(stage);

@@ -1,4 +1,4 @@
-// Shows stress rows to people: one page, and failure maps as pictures. Plain memory; any thread may call it.
+// Presents stress rows: one page, and failure maps as pictures. Plain memory; any thread may call it.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace sideray::lab {
 
-// Returns the parameters that tell rows of one case apart, as text: "relative_gap 1e-06".
+// Returns the parameters that differ between rows of one case, as text: "relative_gap 1e-06".
 std::string describe_parameters(const StressRow& row, std::span<const StressRow> of_case);
 
 // Holds a picture of 8 bits a channel, RGB, top row first.
@@ -17,15 +17,15 @@ struct Sheet {
   std::vector<uint8_t> rgb;
 };
 
-// Draws a row of tiles a variant, a column a set of parameters, in the order of the rows: pixels that are wrong are
-// red, a tile's frame is green where its row passes and red where it fails. Empty where no row has a map.
+// Draws a row of tiles for each variant and a column for each set of parameters, in the order of the rows. Wrong pixels
+// are red; a tile's frame is green if its row passes, and red if it fails. Empty if no row has a map.
 Sheet failure_sheet(std::span<const StressRow> of_case);
 
-// Returns a whole HTML page with all failure maps inside. `device` names the device of the measurement.
+// Returns a complete HTML page with all failure maps. `device` names the measured device.
 std::string stress_page(const std::vector<StressCase>& cases, const std::vector<StressRow>& rows,
                         const std::string& device);
 
-// Returns the rows of a case, which are neighbours in `rows`.
+// Returns the rows of a case, which are contiguous in `rows`.
 std::span<const StressRow> rows_of(const std::string& name, std::span<const StressRow> rows);
 
 }  // namespace sideray::lab

@@ -16,34 +16,34 @@ struct Pane {
   glm::dmat4 world_from_pane = glm::dmat4(1.0);
 };
 
-// Returns a square across the view at z = -depth, broader than what a camera at the origin sees.
+// Returns a square perpendicular to the view at z = -depth, larger than the view of a camera at the origin.
 Pane pane_across(double depth);
 
-// Adds panes as unlit translucent surfaces, each of its own colour, with ids 1, 2, ... in the order given.
+// Adds panes as unlit translucent surfaces of different colours, with ids 1, 2, ... in the given order.
 Scene scene_of_panes(const std::vector<Pane>& panes);
 
-// Adds a mesh of triangles, three indices each.
+// Adds a mesh of triangles, given by three indices each.
 sideray_mesh add_triangles(Scene& scene, std::span<const glm::vec3> positions, std::span<const uint32_t> indices);
 
-// Sets light straight down as the only light.
+// Sets a light straight down as the only light.
 void set_light_from_above(Scene& scene);
 
-// Adds two triangles of the material, as one instance.
+// Adds a rectangle of the material as one instance.
 sideray_instance add_quad(Scene& scene, const Pane& pane, const sideray_material_desc& material, uint32_t surface_id,
                           sideray_wind wind = 0);
 
-// Returns a camera at the origin of `world_from_camera`, looking along its -z.
+// Returns a camera at the origin of `world_from_camera` that looks along its -z.
 sideray_camera camera_at(const glm::dmat4& world_from_camera, double fov_deg, double near);
 
-// Returns the options of one stress picture: its size, one untimed frame with its counters, no shadows, nothing filtered,
-// every ray traced.
+// Returns the options of one stress picture: its size, one untimed frame with counters, no shadows, no filters, every
+// ray traced.
 RenderOptions picture_options(const StressStage& stage, sideray_shadows shadows = SIDERAY_SHADOWS_OFF,
                               sideray_translucency translucency = SIDERAY_TRANSLUCENCY_HYBRID);
 
-// Returns the options of a frame of a sequence: all as the program has them, but for its size and times.
+// Returns the options of a sequence's frame: the program's defaults, except for size and times.
 RenderOptions sequence_options(const StressStage& stage, sideray_ambient ambient = SIDERAY_AMBIENT_AO);
 
-// Makes them those of the frame of this number.
+// Sets the options for the frame with this number.
 void set_frame(RenderOptions& options, uint32_t frame, bool continues);
 
 // Gives access to a picture's planes by name, top row first.

@@ -1,5 +1,5 @@
-// Tests inexact shadow tests (listing 50-3 and others) where the truth is known: a floor that wind has moved below its
-// rest pose, which nothing shadows, and a floor under an occluder, which is dark everywhere.
+// Tests inexact shadow tests (listing 50-3 and others) against known truth: a floor that wind has moved below its rest
+// pose, which nothing shadows, and a floor under an occluder, which is dark everywhere.
 #include <fmt/format.h>
 #include <sideray/diagnostics.h>
 
@@ -30,7 +30,8 @@ constexpr std::array<Test, 6> tests{
      {"--inexact restpose --poses 16", SIDERAY_SHADOWS_INEXACT, SIDERAY_INEXACT_RESTPOSE, 16,
       true}}};
 
-// Without OpenGL rays find what is seen where shadow rays hit it: no test is inexact, and the default stands for them all.
+// Without OpenGL visible surfaces are found by rays in the pose that shadow rays hit, so no test is inexact, and the
+// default represents all of them.
 bool is_tested(const StressStage& stage, const Test& test) {
   return !stage.by_rays || test.shadows == SIDERAY_SHADOWS_EXACT || test.is_default;
 }
@@ -94,7 +95,7 @@ Scene floor_below_an_occluder() {
 struct Shadow {
   FailureMap wrong;
   double share_wrong = 0;
-  double mean_z = 0;             // planar distance of the surface that is seen
+  double mean_z = 0;             // planar distance of the visible surface
   double mean_hit_distance = 0;  // mean over dark pixels; 0 = none is dark
 };
 

@@ -1,5 +1,5 @@
-// Puts what MuJoCo shows behind everything behind a picture: a sky that lights nothing, or nothing in place of what lights; and
-// the haze around the horizon of planes without an end.
+// Adds MuJoCo's backdrop to a picture: a sky that does not light the scene, or nothing in place of the environment that
+// does; and the haze around the horizon of infinite planes.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 
 using Vec3 = std::array<float, 3>;
 
-// Of each face of OpenGL's cubes (+X, -X, +Y, -Y, +Z, -Z): the axes that s and t follow, and their signs.
+// The axes that s and t follow on one face of OpenGL's cubes (+X, -X, +Y, -Y, +Z, -Z), and their signs.
 struct Face {
   size_t s, t;
   float s_sign, t_sign;
@@ -25,7 +25,7 @@ float linear_of_srgb(float v) {
   return v <= 0.04045f ? v / 12.92f : static_cast<float>(std::pow((double{v} + 0.055) / 1.055, 2.4));
 }
 
-// The faces of a sky, (6, side, side, channels), in MuJoCo's world, where z is up and the cube has y for it.
+// The faces of a sky, (6, side, side, channels). MuJoCo's world has z up, the cube y.
 class Sky {
  public:
   Sky(const Array<uint8_t>& faces, bool srgb) : texels_(faces.data()), srgb_(srgb) {
@@ -35,7 +35,7 @@ class Sky {
     if (side_ < 1 || channels_ < 3) throw Error(SIDERAY_INVALID_ARGUMENT, "faces: give texels of three channels or more");
   }
 
-  // In a direction of any length.
+  // Returns the colour in a direction of any length.
   Vec3 look_up(const Vec3& world) const {
     const Vec3 d = {world[0], world[2], -world[1]};
     size_t axis = 0;
@@ -78,31 +78,32 @@ Vec3 vector_of(const Array<double>& array, const char* what) {
   return {static_cast<float>(array.data()[0]), static_cast<float>(array.data()[1]), static_cast<float>(array.data()[2])};
 }
 
-// MuJoCo's haze: planes without an end go over into a colour, and that into the sky at the horizon. As measured in its pictures,
-// it is two strips around what is below the eye: from the plane, at (1 - share) of `end`, to the colour at `end`, and on to
-// nothing at the eye's height at (1 + share) of `end`; the inner edge of the first lies as far below the plane as its distance
-// is enlarged by 1 + share. Nothing of the plane is seen beyond `end`.
+// MuJoCo's haze: infinite planes fade into a colour, and that fades into the sky at the horizon. Measured in its
+// pictures, it is two strips around the point below the eye: one from the plane, at distance (1 - share) * `end`, to
+// the full colour at `end`; the other from there up to no colour at the eye's height, at (1 + share) * `end`. The first
+// strip's inner edge lies below the plane by as much as its distance is scaled by 1 + share. The plane is not visible
+// beyond `end`.
 struct Haze {
   Array<uint32_t> surfaces;   // of each pixel
-  Array<uint8_t> is_endless;  // of each surface id: the background (0) and planes without an end
-  Vec3 color, up;             // up: of the plane, unit
-  float height, end, share;   // of the eye above the plane
+  Array<uint8_t> is_endless;  // by surface id: the background (0) and infinite planes
+  Vec3 color, up;             // up: the plane's normal, unit
+  float height, end, share;   // height: of the eye above the plane
 
   bool is_at(py::ssize_t pixel) const {
     const uint32_t surface = surfaces.data()[pixel];
     return surface < static_cast<size_t>(is_endless.size()) && is_endless.data()[surface] != 0;
   }
-  // How far a direction leads down for each step along the plane, in units of that of the strips' common edge.
+  // Returns a direction's descent for each step along the plane, relative to that of the strips' common edge.
   float slope(const Vec3& d) const {
     const float down = -(d[0] * up[0] + d[1] * up[1] + d[2] * up[2]);
     const float squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - down * down;
     return down * end / (height * std::sqrt(std::max(squared, 1e-20f)));
   }
-  // How much of a direction's colour is the haze's. Along a strip, which is seen in perspective.
+  // Returns the share of the haze in a direction's colour: linear along a strip, in perspective.
   float share_at(float slope) const {
     if (slope <= 0.0f) return 0.0f;
     if (slope < 1.0f) return slope * (1.0f + share) / (1.0f + slope * share);
-    const float left = (1.0f + share) * (1.0f - (1.0f - share) * slope);  // what is left to the inner edge
+    const float left = (1.0f + share) * (1.0f - (1.0f - share) * slope);  // to the inner edge
     return left <= 0.0f ? 0.0f : left / (left + slope - 1.0f);
   }
 };
@@ -116,7 +117,7 @@ Haze haze_of(const py::dict& fields, py::ssize_t pixels) {
   return haze;
 }
 
-// Calls work(first, end) for as many parts of the rows as threads are worth their start.
+// Calls work(first, end) for ranges of rows, on no more threads than the picture is worth.
 template <typename Work>
 void by_rows(py::ssize_t height, py::ssize_t width, py::ssize_t threads, const Work& work) {
   constexpr py::ssize_t pixels_worth_a_thread = 32768;

@@ -1,4 +1,4 @@
-// Image files, display values and comparisons, as the program has them.
+// Handles image files, display values and comparisons, like the command-line program.
 #include "scenes/images/images.h"
 
 #include "lab/metrics/metrics.h"
@@ -45,7 +45,7 @@ py::tuple read_image(const std::string& path) {
   return py::make_tuple(planes, image.linear);
 }
 
-// Colour as half floats, everything else as it is computed.
+// Writes colour as half floats and other planes in the type they have.
 void write_exr(const std::string& path, const py::dict& planes) {
   Image image;
   for (const auto& [key, value] : planes) {

@@ -1,5 +1,5 @@
-// The extension sideray._native: the C interface with arrays for pointers. What is convenient is written in Python
-// (python/sideray); here is what copies, locks, and lets other threads of Python run.
+// Declares the extension sideray._native: the C interface with arrays in place of pointers. This code only copies,
+// locks, and releases Python's lock; convenience is written in Python (python/sideray).
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -18,14 +18,14 @@ namespace sideray::python {
 
 namespace py = pybind11;
 
-// Arrays that are not of this type or layout are converted.
+// Converts arrays of another type or layout.
 template <typename T>
 using Array = py::array_t<T, py::array::c_style | py::array::forcecast>;
 
-// Refuses what does not have this shape (-1: any length), naming it as `what`.
+// Throws unless the array has this shape (-1: any length); the message names it `what`.
 void require_shape(const py::array& array, const std::vector<py::ssize_t>& shape, const char* what);
 
-// Calls f(&error) while other threads of Python run, one call at a time on what `mutex` guards. Throws its failure.
+// Calls f(&error) with Python's lock released and `mutex` held. Throws an exception if the call fails.
 template <typename F>
 void call(std::mutex& mutex, F&& f) {
   py::gil_scoped_release released;

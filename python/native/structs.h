@@ -1,5 +1,5 @@
-// Structs of the C interface from dictionaries of their fields, and back. Fields that are not given have their defaults; one
-// that is not there is refused, and the message lists those that are.
+// Convert structs of the C interface from and to dictionaries of their fields. Missing fields get their defaults; an
+// unknown field is an error, whose message lists the known ones.
 #pragma once
 
 #include "python/native/native.h"

@@ -6,7 +6,7 @@
 #include "rt/base/instruction_set.h"
 
 #if defined(__x86_64__)
-// Defines NAME(isa): the TYPE of the namespace that is called like the instruction set. Null: the widest of the processor.
+// Defines NAME(isa): returns the TYPE from the namespace named after the instruction set; null selects the widest.
 #define SIDERAY_CHOOSE_KERNELS(TYPE, NAME)                                              \
   namespace lanes_baseline { const TYPE& NAME(); }                                      \
   namespace lanes_avx2 { const TYPE& NAME(); }                                          \

@@ -1,5 +1,5 @@
-// Counts and times the work of a tracing thread, a job, a frame or a picture, each the sum of its parts. Plain values;
-// any thread.
+// Counts and times the work of a tracing thread, a job, a frame or a picture; each is the sum of its parts. Plain
+// values; any thread.
 #pragma once
 
 #include <algorithm>
@@ -7,8 +7,8 @@
 
 namespace sideray::rt {
 
-// The list of all counters. Those of sideray_frame_stats, which explains them, are copied by name: a new one is a line
-// here and a field there. Times and counts are summed over positions; of memory held (HELD) the maximum is kept.
+// Lists all counters. Those that sideray_frame_stats has and explains are copied by name: a new one takes a line here
+// and a field there. Times and counts are summed over positions; of memory (HELD) the maximum counts.
 #define SIDERAY_COUNTERS(TIME, COUNT, HELD)                                       \
   TIME(readback_ms)                                                               \
   TIME(trace_ms)                                                                  \

@@ -18,7 +18,7 @@ struct Cpus {
   bool known;
 };
 
-// Beyond the 1024 processors of a cpu_set_t the call fails, and threads stay where they are.
+// With more than the 1024 processors of a cpu_set_t the call fails, and threads keep their affinity.
 Cpus cpus_of_this_thread() {
   Cpus cpus{};
   cpus.known = sched_getaffinity(0, sizeof(cpus.set), &cpus.set) == 0;

@@ -8,8 +8,7 @@
 namespace sideray::rt {
 namespace {
 
-// A pixel of this many surfaces counts like one of a single surface that is half of the picture's radius nearer to the
-// middle.
+// A pixel with this many surfaces ranks like a pixel with none that is half the picture's radius nearer to the middle.
 constexpr float many_layers = 8.0f;
 
 // Returns 0 in the middle of the picture, 1 in its corners.
@@ -18,8 +17,8 @@ float distance_from_middle(float x, float y, float width, float height) {
   return std::sqrt((u * u + v * v) * 0.5f);
 }
 
-// Ranks go from -1/2 to 1. A step of a few thousandths of the picture is none, and by steps sorting takes no time that shows,
-// however many pieces there are.
+// Sorts by ranks of -1/2 to 1, in 512 steps. Differences below a step do not matter, and a counting sort takes next to
+// no time, however many pieces there are.
 std::vector<uint32_t> sorted_by(const std::vector<float>& ranks) {
   constexpr size_t steps = 512;
   const auto step = [](float rank) { return std::min(static_cast<size_t>((rank + 0.5f) * (steps / 1.5f)), steps - 1); };
@@ -37,7 +36,7 @@ std::vector<uint32_t> order_of_importance(std::span<const PixelRequest> pixels, 
                                           uint32_t width, uint32_t height) {
   std::vector<float> ranks;
   for (size_t i = 0; i + 1 < starts.size(); ++i) {
-    // The pixel in its middle represents a chunk: its pixels are neighbours.
+    // A chunk's middle pixel represents it, because its pixels are neighbours.
     const PixelRequest& p = pixels[starts[i] + (starts[i + 1] - starts[i]) / 2];
     const float layers = p.layers == unlimited_layers ? many_layers : static_cast<float>(p.layers);
     ranks.push_back(distance_from_middle(static_cast<float>(p.x) + 0.5f, static_cast<float>(p.y) + 0.5f,

@@ -1,5 +1,5 @@
-// Decides when no more rays of a frame begin, and orders its work so that what matters least is left out. Any thread
-// may call it.
+// Decides when a frame starts no more rays, and orders its work so that the least important part is left out. Any
+// thread may call it.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace sideray::rt {
 
 using Deadline = std::chrono::steady_clock::time_point;  // max() = none
 
-// Pieces of work under a deadline are small, since one that has begun is finished.
+// Pieces of work under a deadline are small, because a piece that has begun is finished.
 inline constexpr size_t pixels_in_late_chunk = 64;
 
 inline bool has_deadline(Deadline deadline) {
@@ -26,16 +26,16 @@ inline bool has_passed(Deadline deadline) {
   return has_deadline(deadline) && Deadline::clock::now() >= deadline;
 }
 
-// Counts down the pieces of work that may begin, in place of a clock, for tests.
+// Counts down the pieces of work that may still begin; tests use it in place of a clock.
 using PiecesLeft = std::atomic<int64_t>;
 
 // Says until when pieces of work may begin. Preparation alone may exceed the deadline, and then no frame would ever
-// have an answer. So pieces may begin for at least `least`, counted from the first one.
+// have an answer. So pieces may begin for at least `least` after the WorkClock was made.
 struct WorkTime {
   Deadline deadline = Deadline::max();
   Deadline::duration least{0};
-  size_t least_pieces = 0;  // this many begin in any case
-  bool ends_in_time = false;  // a piece that is not likely to end before the deadline does not begin
+  size_t least_pieces = 0;  // so many pieces begin in any case
+  bool ends_in_time = false;  // a piece does not begin if it is likely to end after the deadline
   PiecesLeft* pieces = nullptr;  // null: the clock decides
 };
 inline bool is_bounded(const WorkTime& time) {
@@ -46,7 +46,7 @@ inline bool is_over(const WorkTime& time) {
   return time.least_pieces == 0 && time.least.count() == 0 && !time.pieces && has_passed(time.deadline);
 }
 
-// Stands for a part of a frame's work that has begun. Any thread may run pieces.
+// Limits a part of a frame's work that has begun. Any thread may run pieces.
 class WorkClock {
  public:
   explicit WorkClock(const WorkTime& time)
@@ -59,8 +59,8 @@ class WorkClock {
   WorkClock(const WorkClock&) = delete;
   WorkClock& operator=(const WorkClock&) = delete;
 
-  // Runs a piece, or returns false where there is no time for it. `number`: in the order in which pieces are taken, so
-  // that the same pieces run for any number of threads where pieces are counted.
+  // Runs a piece, or returns false if there is no time for it. `number` is the piece's place in the order of work: if
+  // pieces are counted, the same ones run for any number of threads.
   template <typename Work>
   bool run(size_t number, const Work& work) {
     if (!may_begin(number)) return false;
@@ -91,16 +91,16 @@ class WorkClock {
   std::atomic<int64_t> began_{0}, spent_{0}, ended_{0};
 };
 
-// Orders chunks of pixels from the middle of the picture outward, those whose masks count many surfaces earlier. The
-// order is the same in every frame, whatever the last one left out: without history, chunks that took turns would
-// flicker between their ray-traced and their raster look. `starts`: each chunk's first pixel, and behind the last.
+// Orders chunks of pixels from the middle of the picture outward; chunks whose masks count many surfaces move forward.
+// The order is the same in every frame: without history, chunks that took turns would flicker between their ray-traced
+// and their raster look. `starts`: each chunk's first pixel, then the total number of pixels.
 std::vector<uint32_t> order_of_importance(std::span<const PixelRequest> pixels, std::span<const uint32_t> starts,
                                           uint32_t width, uint32_t height);
-// Orders square tiles, row by row, in the same way.
+// Orders square tiles, given row by row, from the middle outward.
 std::vector<uint32_t> order_of_importance(uint32_t tile_columns, uint32_t tile_rows);
 
-// Brings the least recently traced pieces first, since the others show their previous answers; equal ones stay in their
-// order. `last_turns`: of each piece the number of the frame in which it was traced last, 0 = never.
+// Moves the least recently traced pieces to the front, since the others can show their previous answers; equal ones
+// keep their order. `last_turns`: for each piece the number of the frame that last traced it, 0 = none.
 void order_by_turns(std::span<const uint32_t> last_turns, std::vector<uint32_t>& order);
 
 }  // namespace sideray::rt

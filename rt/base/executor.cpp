@@ -29,14 +29,14 @@ uint32_t thread_count(uint32_t wanted) {
   return wanted ? wanted : cpu_count();
 }
 
-// The executor for which this thread works at the moment, and its number there.
+// Names the executor that this thread works for at the moment, and its worker number there.
 struct Running {
   const Executor* executor = nullptr;
   uint32_t worker = 0;
 };
 thread_local Running running;
 
-// Says so for as long as it lives.
+// Sets `running` for this thread, and flushes its denormals, for as long as it lives.
 class Works {
  public:
   Works(const Executor* executor, uint32_t worker) : before_(std::exchange(running, {executor, worker})) {}
@@ -96,8 +96,8 @@ void Executor::run_on_all(size_t count, const Work& work) {
 
 namespace {
 
-// Lets the thread that uses TBB first run on all processors: TBB counts its processors. Where that is a pinned one, it
-// would start too few threads.
+// Lets TBB use all processors. It counts those of the thread that uses it first, and starts too few threads if that
+// thread is pinned.
 struct AllowAllCpus {
   AllowAllCpus() {
     static const std::unique_ptr<tbb::global_control> control =
@@ -107,7 +107,7 @@ struct AllowAllCpus {
   }
 };
 
-// Undoes the pinning of TBB's workers: they are started by whichever thread needs one, and pinned like it.
+// Undoes the pinning of TBB's workers, which inherit it from the thread that happens to start them.
 class Unpinned : public tbb::task_scheduler_observer {
  public:
   explicit Unpinned(tbb::task_arena& arena) : tbb::task_scheduler_observer(arena) { observe(true); }
@@ -123,13 +123,13 @@ struct Executor::Arena : AllowAllCpus, tbb::task_arena {
   explicit Arena(uint32_t threads) : tbb::task_arena(static_cast<int>(threads)), unpinned(*this) {}
   Unpinned unpinned;
 
-  // TBB leaks 7 kB of every destroyed arena that has worked (2021.8), so arenas are pooled. There are as many as
-  // executors were alive at once.
+  // TBB leaks 7 kB of every destroyed arena that has worked (2021.8), so arenas are pooled. The pool holds at most as
+  // many as executors were alive at once.
   struct Idle {
     std::mutex mutex;
     std::multimap<uint32_t, std::unique_ptr<Arena>> by_threads;
   };
-  // It is never destroyed: arenas would outlive what TBB needs for them when the process ends.
+  // It is never destroyed: at exit, arenas would outlive the parts of TBB that they need.
   static Idle& idle() {
     static Idle& kept = *new Idle;
     return kept;
@@ -146,7 +146,7 @@ struct Executor::Arena : AllowAllCpus, tbb::task_arena {
     try {
       kept.by_threads.emplace(threads, std::move(arena));
     } catch (const std::bad_alloc&) {
-      // Destructors call this, so it must not throw: if the arena cannot be kept, it is freed.
+      // Destructors call this, so it must not throw: if the arena cannot be pooled, it is freed.
     }
   }
 };

@@ -1,5 +1,5 @@
-// Runs numbered pieces of work on threads of its own, on all processors of the process; the tracer schedules with it.
-// One thread at a time may start a run. TBB inside; plain threads where SIDERAY_STD_THREADS is defined, for the thread
+// Runs numbered pieces of work on its own threads, on all processors of the process; the tracer schedules with it. One
+// thread at a time may start a run. It uses TBB, or plain threads if SIDERAY_STD_THREADS is defined, for the thread
 // sanitizer.
 #pragma once
 
@@ -12,7 +12,7 @@ namespace sideray::rt {
 
 class Executor {
  public:
-  // `threads` 0 = cpu_count().
+  // `threads`: 0 = cpu_count().
   explicit Executor(uint32_t threads);
   ~Executor();
   Executor(const Executor&) = delete;
@@ -20,14 +20,14 @@ class Executor {
 
   uint32_t threads() const { return threads_; }
 
-  // Calls work() so that what it runs in parallel by TBB keeps to these threads.
+  // Calls work() so that its parallel TBB code runs on these threads.
   void inside(const std::function<void()>& work);
 
   using Work = std::function<void(size_t index, uint32_t worker)>;
   // Calls work(index, worker) once for every index below `count` and returns when all are done. `worker` is below
-  // threads() and no two calls that overlap share it. Denormals are flushed to zero in every call, so that results do
-  // not depend on the mode of the thread that a piece lands on. The first exception is rethrown here. In a run of the same
-  // executor it calls them all on its own thread, as that worker.
+  // threads(), and calls that overlap never share it. Denormals are flushed to zero in every call, so that results do
+  // not depend on the calling thread's mode. The first exception is rethrown here. Called from within a run of the same
+  // executor, it makes all calls on the calling thread, with that thread's worker number.
   void run(size_t count, const Work& work);
 
  private:

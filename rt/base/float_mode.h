@@ -1,5 +1,5 @@
-// Sets the floating-point mode in which everything is traced and shaded, so that results do not depend on the mode of
-// the thread that a piece of work lands on. Any thread may use it, for itself.
+// Sets the floating-point mode for all tracing and shading, so that results do not depend on the mode of the thread
+// that runs a piece of work. Any thread may use it, for itself.
 #pragma once
 
 #if defined(__SSE__)
@@ -8,7 +8,7 @@
 
 namespace sideray::rt {
 
-// Treats denormals as zero for as long as it lives.
+// Treats denormals as zero on this thread for as long as it lives.
 #if defined(__SSE__)
 class FlushDenormals {
  public:
@@ -27,7 +27,7 @@ struct FlushDenormals {
 };
 #endif
 
-// Calculates with denormals for as long as it lives.
+// Computes with denormals on this thread for as long as it lives.
 #if defined(__SSE__)
 class KeepDenormals {
  public:

@@ -1,4 +1,4 @@
-// Converts floats to the halfs that textures hold, rounded to the nearest even. Any thread may call it.
+// Converts floats to the halfs of textures, rounded to nearest even. Any thread may call it.
 #pragma once
 
 #include <half.h>
@@ -11,12 +11,12 @@ namespace sideray::rt {
 
 inline constexpr float largest_half = 65504.0f;
 
-// Radiance and transmittance are never negative; NaN becomes 0, and what is too large the largest half.
+// Converts radiance or transmittance, which are never negative: NaN becomes 0, and too large values the largest half.
 inline uint16_t half_bits(float value) {
   return imath_float_to_half(value > 0.0f ? std::min(value, largest_half) : 0.0f);
 }
 
-// The same of what may be negative.
+// Does the same for values that may be negative.
 inline uint16_t signed_half_bits(float value) {
   return imath_float_to_half(value > 0.0f ? std::min(value, largest_half) : value < 0.0f ? std::max(value, -largest_half) : 0.0f);
 }

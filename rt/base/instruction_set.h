@@ -1,4 +1,5 @@
-// Names the widest instruction set that kernels in lanes have on this machine. Any thread may call it.
+// Names the widest instruction set for which lane kernels are compiled and that this machine has. Any thread may call
+// it.
 #pragma once
 
 namespace sideray::rt {

@@ -1,5 +1,5 @@
-// Reads arrays where the lanes of a vector say: by loads where these follow each other, as neighbours in a picture
-// mostly do, by gathers elsewhere. A part of rt/base/lanes.h, compiled as that is. Any thread may call it.
+// Reads arrays at the indices in the lanes of a vector: by loads if the indices are consecutive, as for neighbouring
+// pixels, by gathers otherwise. A part of rt/base/lanes.h, compiled like it. Any thread may call it.
 #include "rt/base/lanes.h"
 
 namespace sideray::rt::SIDERAY_LANES {
@@ -24,7 +24,7 @@ SIDERAY_LANE void store_any(int32_t* values, integer a) {
   __builtin_memcpy(values, &a.v, sizeof(a.v));
 }
 
-// Returns from, from + 1 and so on.
+// Returns a vector of from, from + 1 and so on.
 SIDERAY_LANE integer ramp(int32_t from) {
   IntVector v = IntVector{} + from;
   for (int i = 0; i < lane_count; ++i) v[i] += i;
@@ -42,14 +42,14 @@ SIDERAY_LANE integer gather(const int32_t* values, integer at) {
 #endif
 }
 
-// Reads arrays at places that follow each other.
+// Reads arrays at consecutive indices.
 struct Run {
   int32_t first;
   SIDERAY_LANE real operator()(const float* values) const { return load_any(values + first); }
   SIDERAY_LANE integer operator()(const int32_t* values) const { return load_any(values + first); }
 };
 
-// The same for lanes that begin a new run at one of them.
+// Reads arrays at two runs of consecutive indices; `in_first` says which lanes belong to the first.
 struct TwoRuns {
   int32_t first, second;
   boolean in_first;
@@ -61,20 +61,21 @@ struct TwoRuns {
   }
 };
 
-// Reads them anywhere.
+// Reads arrays at any indices.
 struct Scattered {
   integer at;
   SIDERAY_LANE real operator()(const float* values) const { return gather(values, at); }
   SIDERAY_LANE integer operator()(const int32_t* values) const { return gather(values, at); }
 };
 
-// Returns the address of lane 0, as if the lowest lane of `bits` were read from the start.
+// Returns the index of lane 0 in the run of consecutive indices that contains the lowest lane of `bits`.
 SIDERAY_LANE int32_t start_of(integer at, uint32_t bits) {
   const int lane = __builtin_ctz(bits);
   return at.v[lane] - lane;
 }
 
-// Calls `work` with what reads the places `at`, as far as they are `wanted`: some are. Others read anything.
+// Calls `work` with the cheapest reader for the indices `at` of the `wanted` lanes, of which there is at least one.
+// Other lanes read any element.
 template <typename Work>
 SIDERAY_LANE void read_at(integer at, boolean wanted, const Work& work) {
   const int32_t first = start_of(at, lane_bits(wanted));

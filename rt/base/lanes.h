@@ -1,10 +1,9 @@
-// Provides vectors of floats, one lane a hit, with what shaders/shading/shading.h requires of its scalar type. It is
-// compiled once for each instruction set, with SIDERAY_LANES (a namespace of its own) and SIDERAY_LANE_COUNT defined by
-// sideray_lanes() in rt/CMakeLists.txt; nothing in here may be shared between them, so it includes nothing that defines inline functions
-// of ours or of the library. Any thread may call it.
-// Results are the same bits everywhere: only operations that IEEE 754 defines exactly, no contraction, no approximate
-// reciprocals. Transcendental functions are those of elementary/functions.h, by the same cores in vectors of doubles, and
-// give the same bits as those.
+// Provides vectors of floats, one lane a hit, with everything that shaders/shading/shading.h requires of its scalar
+// type. It is compiled once for each instruction set: sideray_lanes() in rt/CMakeLists.txt defines SIDERAY_LANES (a
+// separate namespace) and SIDERAY_LANE_COUNT. Instruction sets must not share functions, so it includes no header with
+// inline functions, of ours or of the standard library. Any thread may call it. Results have the same bits everywhere:
+// only operations that IEEE 754 defines exactly, no contraction, no approximate reciprocals. Transcendental functions
+// use the cores of elementary/functions.h in vectors of doubles, and give the same bits.
 #if !defined(SIDERAY_LANES) || !defined(SIDERAY_LANE_COUNT)
 #error "for the sources that sideray_lanes() compiles (rt/CMakeLists.txt)"
 #endif
@@ -22,7 +21,7 @@ constexpr int lane_count = SIDERAY_LANE_COUNT;
 using FloatVector = float __attribute__((vector_size(4 * SIDERAY_LANE_COUNT)));
 using IntVector = int32_t __attribute__((vector_size(4 * SIDERAY_LANE_COUNT)));
 
-// Holds all bits of a lane, or none.
+// Holds a mask: all bits of a lane are set, or none.
 struct boolean {
   IntVector bits;
 };
@@ -112,7 +111,7 @@ SIDERAY_LANE integer sr_select(boolean c, integer yes, integer no) {
   return c.bits ? yes.v : no.v;
 }
 
-// Bit i stands for lane i.
+// Returns a mask whose bit i stands for lane i.
 SIDERAY_LANE uint32_t lane_bits(boolean c) {
 #if defined(__AVX512F__) && SIDERAY_LANE_COUNT == 16
   return _mm512_cmplt_epi32_mask(__builtin_bit_cast(__m512i, c.bits), _mm512_setzero_si512());
@@ -191,7 +190,7 @@ SIDERAY_LANE real gather(const float* values, integer at) {
 #endif
 }
 
-// Half as many doubles as there are lanes, as wide together; two of them hold what all lanes do.
+// Holds half as many doubles as there are lanes, in a vector of the same size; two of them hold all lanes.
 using DoubleVector = double __attribute__((vector_size(4 * SIDERAY_LANE_COUNT)));
 using LongVector = int64_t __attribute__((vector_size(4 * SIDERAY_LANE_COUNT)));
 using NarrowVector = float __attribute__((vector_size(2 * SIDERAY_LANE_COUNT)));  // as many floats as doubles
@@ -219,7 +218,7 @@ using Word = uint64_t __attribute__((vector_size(4 * SIDERAY_LANE_COUNT)));
 #undef SIDERAY_CORE
 }  // namespace cores
 
-// Calls a function of doubles for each half of the lanes, and rounds its results.
+// Calls a function of doubles for each half of the lanes, and rounds the results.
 template <typename Function>
 SIDERAY_LANE real in_doubles(Function function, real a, real b) {
   struct Halves {
@@ -246,9 +245,9 @@ SIDERAY_LANE real log(real x) {
   return sr_select(x > 0.0f && x < infinity, result, sr_select(x == 0.0f, -infinity, sr_select(x > 0.0f, x, nan)));
 }
 
-// Takes finite numbers.
+// The arguments must be finite.
 SIDERAY_LANE real sr_atan2(real y, real x) {
-  // Of two zeros, x has the side of its sign.
+  // If both are zero, the sign of x decides its side.
   const real one = as_float((as_int(x.v) & static_cast<int32_t>(0x80000000)) | 0x3f800000);
   const auto of_doubles = [](DoubleVector v, DoubleVector w) __attribute__((always_inline)) {
     return cores::core_atan2(v, w);
@@ -269,7 +268,7 @@ struct real2 {
   SIDERAY_LANE real2(real a, real b) : x(a), y(b) {}
 };
 
-// Names a scalar that is the same for all lanes.
+// Is a scalar that is the same for all lanes.
 using one_real = float;
 struct one_real3 {
   float x, y, z;

@@ -5,7 +5,7 @@
 
 namespace sideray::rt {
 
-// Says where the ray of a pixel hits the first opaque surface that the rasterizer draws there.
+// Says where a pixel's ray hits the first opaque surface that the rasterizer draws there.
 struct OpaquePoint {
   double distance;   // along the ray; infinite = nothing
   glm::vec3 normal;  // geometric, unit

@@ -7,8 +7,8 @@
 
 namespace sideray::rt {
 
-// A ray is finite, with a direction of any length > 0 and 0 <= t_near; hits lie in t_near <= t <= t_far, and t_far may
-// be infinite. A ray with t_far <= t_near hits nothing. Rays are validated in here: one that is not so, or starts more
+// A ray is finite, its direction has any length > 0, and 0 <= t_near. Hits lie in t_near <= t <= t_far; t_far may be
+// infinite. A ray with t_far <= t_near hits nothing. Rays are validated here: an invalid one, or one that starts more
 // than 1e18 units away in some object's space, never reaches Embree (Debian's build aborts on it) and hits nothing.
 struct Ray {
   glm::vec3 origin;
@@ -17,10 +17,10 @@ struct Ray {
   float t_far;
 };
 
-// A ray that ends nowhere is given this length: beyond it Embree's arithmetic overflows, and no vertex is that far.
+// The length of a ray that ends nowhere: beyond it Embree's arithmetic overflows, and no vertex is that far.
 inline constexpr float farthest = 1e30f;
 
-// Refers to rays by component.
+// Refers to rays that are stored as one array per component.
 struct RayColumns {
   const float *origin[3], *direction[3], *t_near, *t_far;
   size_t count;
@@ -33,17 +33,17 @@ struct RayColumns {
   }
 };
 
-// A hit is recomputed by our own routine (double precision, no fused contraction): it does not depend on packet width
-// or on Embree's rounding. distance is in lengths of the direction.
+// A hit is recomputed in double precision without fused contraction, so it does not depend on packet width or on
+// Embree's rounding. `distance` is in lengths of the direction.
 struct Hit {
   double distance;
   float u, v;                    // weights of the triangle's second and third vertex
   uint32_t instance, primitive;  // indices into the snapshot / its mesh's triangles
-  bool front;                    // the geometric front face (mirroring regarded) was hit
+  bool front;                    // whether the geometric front face (mirroring regarded) was hit
 };
 inline constexpr uint32_t no_instance = 0xffffffffu;
 
-// The width of a pixel's footprint at distance t along its ray is width + spread * t; ray-cone texture lookup needs it.
+// A pixel's footprint at distance t along its ray is width + spread * t wide; ray-cone texture lookup needs it.
 struct Cone {
   float width = 0, spread = 0;
 };

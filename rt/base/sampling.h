@@ -1,5 +1,5 @@
-// Makes random numbers that are functions of what they are for (pixel, position, purpose, seed), and the distributions
-// that light and microfacets are sampled from. Has no state; any thread may call it.
+// Makes random numbers as functions of their use (pixel, position, purpose, seed), and the distributions that light and
+// microfacets are sampled from. It has no state; any thread may call it.
 #pragma once
 
 #include <algorithm>
@@ -28,12 +28,12 @@ inline uint32_t random_key(std::initializer_list<uint32_t> parts) {
   return key;
 }
 
-// Makes the key of all that happens at one of a pixel's sample positions.
+// Makes the key of everything at one of a pixel's sample positions.
 inline uint32_t pixel_key(uint32_t seed, uint32_t position, uint32_t x, uint32_t y) {
   return random_key({seed, position, y << 16 | x});
 }
 
-// Returns 0 <= x < 1, from the upper 24 bits.
+// Returns a float in 0 <= x < 1, from the upper 24 bits.
 inline float unit_float(uint32_t bits) {
   return static_cast<float>(bits >> 8) * 0x1p-24f;
 }
@@ -64,7 +64,7 @@ class PointSet {
   PointSet() = default;
   explicit PointSet(uint32_t key) : order_(hash_bits(key)), x_(hash_bits(key + 1u)), y_(hash_bits(key + 2u)) {}
 
-  // Makes the set with the keys of another one.
+  // Copies the set that has these keys.
   PointSet(uint32_t order, uint32_t x, uint32_t y) : order_(order), x_(x), y_(y) {}
   uint32_t order_key() const { return order_; }
   uint32_t x_key() const { return x_; }
@@ -98,7 +98,7 @@ inline glm::mat3 frame_about(glm::vec3 z) {
   return {x, glm::cross(z, x), z};
 }
 
-// The functions below take and return directions in frames whose z is the normal or axis. `u` is a point of the unit
+// The functions below take and return directions in a frame whose z is the normal or axis. `u` is a point of the unit
 // square; densities are per steradian.
 
 inline glm::vec3 sample_cosine(glm::vec2 u) {
@@ -110,7 +110,7 @@ inline float cosine_density(float cosine) {
   return std::max(cosine, 0.0f) * glm::one_over_pi<float>();
 }
 
-// Returns a cone's aperture as 1 - cos(half angle), in which narrow cones keep their digits.
+// Returns a cone's aperture as 1 - cos(half angle), which keeps the digits of narrow cones.
 inline float cone_aperture(float half_angle) {
   const float s = elementary::sin(0.5f * half_angle);
   return 2.0f * s * s;
@@ -127,13 +127,14 @@ inline glm::vec3 sample_cone(glm::vec2 u, float aperture) {
   return {sine * elementary::cos(azimuth), sine * elementary::sin(azimuth), 1.0f - below};
 }
 
-// Returns the aperture of the cone in which a sphere appears from outside: radius < distance.
+// Returns the aperture of the cone that a sphere fills, seen from outside: radius < distance.
 inline float sphere_aperture(float radius, float distance) {
   const float sine = radius / distance, sine2 = sine * sine;
   return sine2 / (1.0f + std::sqrt(1.0f - sine2));
 }
 
-// Returns how far a sphere's near side is in a direction within that cone; 1 - cos to the axis is `below`.
+// Returns the distance to a sphere's near side in a direction within that cone; `below` is 1 - cos of its angle to the
+// axis.
 inline float distance_to_sphere(float radius, float distance, float below) {
   const float across2 = distance * distance * below * (2.0f - below);
   return distance * (1.0f - below) - std::sqrt(std::max(radius * radius - across2, 0.0f));
@@ -146,7 +147,7 @@ inline float ggx_distribution(glm::vec3 h, float alpha) {
   return a2 / (glm::pi<float>() * std::max(f * f, 1e-20f));
 }
 
-// The same of alphas along x and y.
+// Does the same for anisotropic GGX, with alphas along x and y.
 inline float ggx_distribution(glm::vec3 h, glm::vec2 alpha) {
   const float both = alpha.x * alpha.y;
   const float x = h.x * alpha.y, y = h.y * alpha.x, z = h.z * both;
@@ -156,7 +157,7 @@ inline float ggx_distribution(glm::vec3 h, glm::vec2 alpha) {
 
 using model::sample_visible_normal;
 
-// Returns the density of those normals times 1 / (4 to_eye.h): that of the directions in which they reflect the eye.
+// Returns the density of directions reflected by visible normals: the density of the normals times 1 / (4 to_eye.h).
 inline float visible_reflection_density(glm::vec3 to_eye, glm::vec3 h, float alpha) {
   if (glm::dot(to_eye, h) <= 0.0f || h.z <= 0.0f) return 0.0f;
   const float a2 = alpha * alpha, z = to_eye.z;
@@ -170,8 +171,8 @@ inline float visible_reflection_density(glm::vec3 to_eye, glm::vec3 h, glm::vec2
   return ggx_distribution(h, alpha) / (2.0f * (to_eye.z + glm::length(v)));
 }
 
-// Returns the weight of a sample of one of two strategies that take n_a and n_b of them (Veach 1995, balance
-// heuristic), over its own density.
+// Returns the balance heuristic's weight (Veach 1995) over the sample's own density, for two strategies that take n_a
+// and n_b samples.
 inline float balance(float n_a, float density_a, float n_b, float density_b) {
   const float sum = n_a * density_a + n_b * density_b;
   return sum > 0.0f ? 1.0f / sum : 0.0f;

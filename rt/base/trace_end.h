@@ -1,4 +1,4 @@
-// How tracing a frame, or a part of it, ended. A value; any thread.
+// Says how tracing a frame, or a part of it, ended. A value; any thread.
 #pragma once
 
 namespace sideray::rt {

@@ -1,4 +1,4 @@
-// The threads and the instruction set that a tracer uses. Plain values; any thread.
+// Sets the threads and the instruction set of a tracer. Plain values; any thread.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 namespace sideray::rt {
 
 struct TracerConfig {
-  uint32_t threads = 0;  // 0 = all
+  uint32_t threads = 0;  // 0 = cpu_count()
   std::string isa;       // "", "sse4.2", "avx2", "avx512"
 };
 

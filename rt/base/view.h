@@ -1,4 +1,4 @@
-// Describes a view, and its depth buffer as it was read back. Plain values; any thread may use them.
+// Describes a view, and its depth buffer after readback. Plain values; any thread may use them.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 namespace sideray::rt {
 
-// Names the formats in which depth and stencil are read back from a buffer. d24: floats that were rounded to 24 bits.
+// Names the formats in which depth and stencil are read back. d24: floats that were rounded to 24 bits.
 enum class DepthFormat { d16, d24, d24s8, d32f, d32f_s8 };
 struct DepthImage {
   const std::byte* texels = nullptr;
@@ -19,7 +19,7 @@ struct TraceView {
   bool reversed_depth = false, zero_to_one_depth = false;
 };
 
-// Returns the direction from what is seen to the viewer (+z of OpenGL's eye space), in local space.
+// Returns the direction from the scene to the viewer (+z of OpenGL's eye space), in local space.
 glm::vec3 way_to_viewer(const TraceView& view);
 
 }  // namespace sideray::rt

@@ -21,21 +21,21 @@ bool finite(const glm::dmat4& m) {
   return true;
 }
 
-// Returns the largest difference between a depth as stored and as computed by the rasterizer, over half a step.
+// Returns twice the largest difference between the stored depth and the one that the rasterizer computed.
 double depth_step(double depth, DepthFormat format, bool zero_to_one) {
   if (format == DepthFormat::d16) return 1.0 / 65535.0;
   if (format == DepthFormat::d24 || format == DepthFormat::d24s8) return 1.0 / 16777215.0;
   const float f = std::max(0.0f, static_cast<float>(depth));
   const double ulp =
       static_cast<double>(std::bit_cast<float>(std::bit_cast<uint32_t>(f) + 1u)) - static_cast<double>(f);
-  // Where depth runs from -1 to 1 the value passes through a float near +-1 before it is halved.
+  // If depth runs from -1 to 1, the value is near +-1 as a float before it is halved.
   return zero_to_one ? ulp : std::max(ulp, 0x1p-24);
 }
 
 }  // namespace
 
 glm::vec3 way_to_viewer(const TraceView& view) {
-  // Of a perspective view w grows with the distance before the eye; of a parallel one depth does.
+  // In perspective, w grows with the distance from the eye; in parallel projection depth does.
   const glm::dmat4 rows = glm::transpose(view.clip_from_local);
   const glm::dvec3 along_w(rows[3]), along_z(rows[2]);
   if (glm::length(along_w) > 1e-12 * glm::length(along_z)) return glm::vec3(glm::normalize(-along_w));
@@ -193,10 +193,10 @@ void ViewRays::fill(const Block& block, DepthFormat format, Ray* rays, Cone* con
   }
 }
 
-// Does in perspective what pixel(), ray(), end_of_ray() and cone() do, operation by operation, as a vector loop. The
-// steps of depth are there already.
+// Does what pixel(), ray(), end_of_ray() and cone() do in perspective, operation by operation, as a vector loop. The
+// steps of depth must be set.
 SIDERAY_VECTORS void ViewRays::fill_rows(const Block& block, Rows& rows) const {
-  // These stand for choices that a loop of vectors would not take: where far is, and from which range depth comes.
+  // These replace branches that would keep the loop from being vectorized: which depth is far, and the range of depth.
   const double far_depth = far_depth_, away = reversed_ ? -1.0 : 1.0;
   const double z_scale = zero_to_one_ ? 1.0 : 2.0, z_shift = zero_to_one_ ? 0.0 : 1.0;
   const double pixel_x = pixel_.x, pixel_y = pixel_.y, sign = sign_, spread = spread_;

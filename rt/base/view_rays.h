@@ -12,7 +12,7 @@ namespace sideray::rt {
 
 class ViewRays {
  public:
-  // Throws Failure where the matrices are no view.
+  // Throws Failure if the matrices describe no view.
   ViewRays(const TraceView& view, uint32_t width, uint32_t height);
 
   // Returns the pixel's ray; it ends at the far plane.
@@ -21,58 +21,58 @@ class ViewRays {
 
   // Converts window depth 0..1 to the distance along the pixel's ray; infinite beyond an infinite far plane.
   double distance(uint32_t x, uint32_t y, double depth) const;
-  // Returns that distance less what the stored value may be off by: half a step of the format and 2^-21 of the
-  // distance. Where the depth is the cleared far value, returns the far plane.
+  // Returns that distance less the possible error of the stored depth: half a step of the format and 2^-21 of the
+  // distance. For a cleared depth buffer it returns the far plane.
   float end_of_ray(uint32_t x, uint32_t y, double depth, DepthFormat format) const;
 
-  // Holds what several distances along one pixel's ray have in common.
+  // Holds the values that all distances along one pixel's ray share.
   struct Pixel {
     glm::dvec2 ndc;
     glm::vec3 origin, direction;  // those of ray()
-    // In perspective: the direction's length before it is made unit; what x and y add to w.
+    // In perspective: the direction's length before normalization, and what x and y add to w.
     double length = 0, w = 0;
   };
   Pixel pixel(uint32_t x, uint32_t y) const;
   double distance(const Pixel& pixel, double depth) const;
-  // Returns the window depth of a distance along the pixel's ray: the other way round.
+  // Returns the window depth of a distance along the pixel's ray: the inverse of distance().
   double window_depth(const Pixel& pixel, double distance) const;
   Ray ray(const Pixel& pixel) const;
   Cone cone(const Pixel& pixel) const;
-  // `distance` is that of the depth, which may be off by `half_steps` of its format.
+  // `distance` belongs to `depth`, which may be off by `half_steps` of its format.
   float end_of_ray(const Pixel& pixel, double depth, double distance, DepthFormat format, double half_steps = 1.0) const;
 
-  // Holds pixels side by side, and the depths that end their rays.
+  // Holds pixels in one array per component, and the depths that end their rays.
   struct Block {
     static constexpr uint32_t size = 16;
     alignas(64) double x[size], y[size], depth[size];
   };
-  // Writes what ray(), with the end of end_of_ray(), and cone() say of each pixel, bit for bit.
+  // Writes the pixels' rays, which end at end_of_ray(), and cones: the same bits as ray() and cone() return.
   void fill(const Block& block, DepthFormat format, Ray* rays, Cone* cones) const;
-  // Returns the depth where rays end that no opaque surface ends.
+  // Returns the depth of rays that no opaque surface ends.
   double far_depth() const { return far_depth_; }
 
-  // Return the unit directions in which the picture's columns and rows run.
+  // Return the unit directions of the picture's columns and rows.
   glm::vec3 right() const { return right_; }
   glm::vec3 up() const { return up_; }
-  // Returns the depth along the view axis of the point at a distance along a pixel's ray, times a factor that is equal for
-  // all pixels: only for comparisons.
+  // Returns the depth along the view axis of the point at a distance along a pixel's ray, times a factor that is the
+  // same for all pixels: only for comparisons.
   float depth(uint32_t x, uint32_t y, double distance) const;
 
   bool perspective() const { return perspective_; }
   glm::dvec3 eye() const { return eye_; }
 
-  // Holds what pixel() and distance() compute with in perspective, for code that does so for many pixels at a time.
+  // Holds the constants of pixel() and distance() in perspective, for code that processes many pixels at a time.
   struct Perspective {
     glm::dvec2 pixel;
     glm::dvec3 center, along_x, along_y, eye;
     double sign;
-    glm::dvec4 w;  // before the sign: factors of x, y and z, and what is added
+    glm::dvec4 w;  // without the sign: factors of x, y and z, and a constant
     bool reversed, zero_to_one;
   };
   Perspective terms() const;
 
  private:
-  // Holds rays side by side.
+  // Holds rays in one array per component.
   struct Rows {
     alignas(64) double step[Block::size];  // of depth, as stored
     alignas(64) float direction[3][Block::size], t_near[Block::size], t_far[Block::size], spread[Block::size];
@@ -95,7 +95,7 @@ class ViewRays {
   double near_depth_, far_depth_;
 };
 
-// Holds a depth image's texel as window depth 0..1, and its stencil (0 where the format has none).
+// Holds a texel of a depth image: window depth 0..1, and stencil (0 if the format has none).
 struct DepthTexel {
   double depth;
   uint32_t stencil;

@@ -12,8 +12,8 @@
 namespace sideray::rt {
 namespace {
 
-constexpr float least_distance = std::numeric_limits<float>::min();  // 0 is an empty layer
-constexpr float rounding = 0x1p-21f;  // of positions, a share of the distance
+constexpr float least_distance = std::numeric_limits<float>::min();  // because 0 marks an empty layer
+constexpr float rounding = 0x1p-21f;  // of positions, as a share of the distance
 
 void clear_whole(const CacheRequest& request, LayerCache& cache) {
   const size_t texels = request.whole_pixels ? 4 * size_t{request.width} * request.height : 0;
@@ -22,7 +22,8 @@ void clear_whole(const CacheRequest& request, LayerCache& cache) {
   cache.whole_transmittance.assign(texels, 0);
 }
 
-// Returns whether a ray that hit a triangle passes its edges, as it is seen, by more than `near`, in world units.
+// Returns whether a ray that hit a triangle passes its edges, as seen along the ray, by more than `near` in world
+// units.
 bool is_off_edges(const ShadingScene& scene, const Hit& hit, const Ray& ray, float near) {
   const model::Instance& instance = scene.snapshot->instances[hit.instance];
   const model::Mesh& mesh = *scene.snapshot->meshes[instance.mesh];
@@ -106,13 +107,13 @@ void WholePixels::meet(uint32_t pixel, const SurfacePoint& point, const RayHit& 
   ++p.met;
   p.covers[met.layer] = blend.cover;
   p.weights[met.layer] = blend.through;
-  // Both coordinates of a vertex move: twice as far is more than its way.
+  // A vertex may move along both x and y; twice the subpixel step exceeds the sum.
   const float near = 2.0f * request_->subpixel * point.cone.width + rounding * static_cast<float>(met.hit.distance);
   const bool sways = scene_->snapshot->instances[met.hit.instance].wind != 0;
   p.sure = p.sure && !sways && is_off_edges(*scene_, met.hit, met.ray, near);
 }
 
-// Surfaces may be hit out of order, so attenuation is computed at the end.
+// Surfaces may arrive out of order, so attenuation is computed at the end.
 void WholePixels::weigh(Pixel& pixel) {
   for (uint32_t layer = 0; layer < pixel.met; ++layer) {
     const glm::vec3 through = pixel.weights[layer];

@@ -12,10 +12,10 @@ namespace sideray::rt {
 namespace {
 
 constexpr size_t layers_in_piece = 512;
-// Broad tiles make long runs; low ones keep what a thread reads in its processor's cache.
+// Broad tiles make long runs; low tiles keep a thread's data in its processor's cache.
 constexpr uint32_t tile_width = 512, tile_height = 8;
-// Where less than this share of the directions hit something, the lobe's surroundings take over from those sampled:
-// they have no noise, and little of them is hidden.
+// If less than this share of the directions hit something, the lobe's prefiltered surroundings gradually replace the
+// sampled ones: they have no noise, and little of them is hidden.
 constexpr float most_hidden = 1.0f / 16.0f;
 constexpr int32_t none = -1;
 constexpr size_t padding = layers_at_once;
@@ -62,14 +62,13 @@ void LayerFilter::fit(uint32_t width, uint32_t height) {
   tiles_.resize(size_t{tiles_x_} * ((height + tile_height - 1) / tile_height));
 }
 
-// Gives each column room for `count` layers, and for what lanes read around them.
+// Gives each column room for `count` layers and for the padding that lanes read around them.
 void LayerFilter::fit_columns(size_t count) {
   if (count > static_cast<size_t>(std::numeric_limits<int32_t>::max()) - padding)
     fail(SIDERAY_INVALID_ARGUMENT, "layer filter: {} layers are too many; use a smaller picture or fewer layers",
          count);
   layers_.resize(count);
-  // An odd number of cache lines: columns that lie multiples of 4 KB apart would compete for the same places of a
-  // cache.
+  // The number of cache lines is odd: columns that are multiples of 4 KB apart would compete for the same cache sets.
   const size_t lines = (count / layers_at_once + 3) | 1;
   LayerColumns& c = columns_;
   std::vector<float**> floats{&c.roughness, &c.width, &c.spread, &c.nearness, &c.lobe, &c.reach};
@@ -84,10 +83,10 @@ void LayerFilter::fit_columns(size_t count) {
   if (integers_.size() < lines * integers.size()) integers_.resize(lines * integers.size());
   for (size_t i = 0; i < floats.size(); ++i) *floats[i] = floats_[lines * i + 1].values;
   for (size_t i = 0; i < integers.size(); ++i) *integers[i] = integers_[lines * i + 1].values;
-  std::fill_n(c.pixel + count, padding, 0);  // lanes behind the last layer look around a pixel, too
+  std::fill_n(c.pixel + count, padding, 0);  // lanes behind the last layer read neighbours of a pixel too
 }
 
-// Returns where a pixel of the picture lies in columns_.first.
+// Returns the index of a pixel of the picture in columns_.first.
 int32_t LayerFilter::place_of(uint32_t pixel) const {
   return static_cast<int32_t>(pixel / width_) * columns_.stride + static_cast<int32_t>(pixel % width_);
 }
@@ -96,13 +95,13 @@ int32_t& LayerFilter::first_of(uint32_t pixel) {
   return columns_.first[place_of(pixel)];
 }
 
-// Finds the ranks of a chunk's layers among those of their pixels, which `first` counts from `none` on.
+// Finds the ranks of a chunk's layers within their pixels; `first` counts each pixel's layers, starting from `none`.
 void LayerFilter::rank(Chunk& chunk) {
   chunk.ranks.resize(chunk.layers.size());
   for (size_t i = chunk.layers.size(); i-- > 0;) chunk.ranks[i] = ++first_of(chunk.layers[i].pixel);
 }
 
-// Calls work(place, width) with where each of a tile's rows begins in columns_.first.
+// Calls work(place, width) for each row of a tile, with the row's first index in columns_.first.
 template <typename Work>
 void LayerFilter::for_rows(size_t tile, const Work& work) {
   const auto column = static_cast<uint32_t>(tile % tiles_x_), row = static_cast<uint32_t>(tile / tiles_x_);
@@ -119,7 +118,7 @@ void LayerFilter::count(size_t tile) {
   tiles_[tile].count = sum;
 }
 
-// Gives the layers of a tile their places: row by row, the first of every pixel before the second.
+// Gives the layers of a tile their indices: row by row, the first layer of every pixel before the second.
 void LayerFilter::link(size_t tile) {
   struct Linked {
     int32_t layer, more;
@@ -149,7 +148,7 @@ void LayerFilter::link(size_t tile) {
   });
 }
 
-// Brings a chunk's layers to their places.
+// Copies a chunk's layers to their indices.
 void LayerFilter::scatter(const Chunk& chunk) {
   const LayerColumns& c = columns_;
   const auto put = [](float* const(&to)[3], int32_t at, const glm::vec3& value) {
@@ -174,7 +173,7 @@ void LayerFilter::scatter(const Chunk& chunk) {
   }
 }
 
-// Brings the chunks' findings together, and returns how many there are.
+// Merges the chunks' layers, and returns their number.
 size_t LayerFilter::gather(Executor& executor) {
   size_t total = 0;
   filled_.clear();
@@ -184,7 +183,7 @@ size_t LayerFilter::gather(Executor& executor) {
   }
   if (total == 0) return 0;
   fit_columns(total);
-  // Each pixel is in one chunk.
+  // No pixel is in two chunks.
   executor.run(filled_.size(), [&](size_t c, uint32_t) { rank(*filled_[c]); });
   executor.run(tiles_.size(), [&](size_t tile, uint32_t) { count(tile); });
   int32_t before = 0;
@@ -197,8 +196,8 @@ size_t LayerFilter::gather(Executor& executor) {
   return total;
 }
 
-// A layer may have two entries: what its surface reflects, and what is seen through it. Writes the layer's radiance if
-// i is its first entry; returns false if it is not, or if nothing was filtered.
+// Computes the radiance of a layer from its entries: its surface's reflection, and the light seen through it. Writes it
+// if i is the layer's first entry; returns false if it is not, or if nothing was filtered.
 bool LayerFilter::filtered(int32_t i, glm::vec3& radiance) const {
   const LayerColumns& c = columns_;
   const Layer& layer = *layers_[static_cast<size_t>(i)];
@@ -210,7 +209,7 @@ bool LayerFilter::filtered(int32_t i, glm::vec3& radiance) const {
     if (first == none && j != i) return false;
     const bool is_first = first == none;
     first = i;
-    // Only the environment is reflected all around: it came prefiltered, and stays as the rasterizer has it.
+    // If all directions reflect the environment, it is prefiltered already and stays as the rasterizer shows it.
     const bool stays = c.reflected[3][j] == 0.0f;
     is_filtered = is_filtered || !stays;
     glm::vec3 reflected(c.reflected[0][j], c.reflected[1][j], c.reflected[2][j]);
@@ -244,7 +243,7 @@ void LayerFilter::apply(Executor& executor, LayerCache& cache) {
   run([&](int32_t first, int32_t end) {
     constexpr int32_t ahead = 16;
     for (int32_t i = first; i < end; ++i) {
-      // Chunks lie elsewhere in memory than the columns: half of this loop's time was waiting for them.
+      // Chunks are far from the columns in memory: without prefetching, half of this loop's time was waiting for them.
       if (i + ahead < end) __builtin_prefetch(layers_[static_cast<size_t>(i + ahead)]);
       glm::vec3 all;
       if (!filtered(i, all)) continue;

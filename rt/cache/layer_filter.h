@@ -1,7 +1,7 @@
-// Filters what rough surfaces in a layer cache reflect, and what is seen through them: one random direction a pixel
-// says little, but the pixels around see the same plane of the same surface by directions of their own. Each chunk is
-// collected by one thread while tracing; one thread filters afterwards, on the executor. Same bits for any thread
-// count.
+// Filters the reflections of rough surfaces in a layer cache, and the light seen through them. One random direction a
+// pixel is noisy, but the pixels around sample the same plane of the same surface in other directions. One thread
+// collects each chunk during tracing; one thread filters afterwards, on the executor. The bits do not depend on the
+// thread count.
 #pragma once
 
 #include <cstdint>
@@ -19,29 +19,29 @@ class LayerFilter {
  public:
   explicit LayerFilter(const LayerFilterKernels& kernels = layer_filter_kernels()) : kernels_(&kernels) {}
 
-  // Describes the surface of a layer, for its neighbours' comparison.
+  // Describes the surface of a layer, so that neighbours can be compared.
   struct Place {
     glm::vec3 position, normal, geometric_normal;
-    uint32_t surface_id;  // its complement for what is seen through the surface: it has nothing to do with reflections
+    uint32_t surface_id;  // its complement for light seen through the surface, which is never mixed with reflections
     float roughness;      // perceptual
-    float width;          // width of the pixel there, world units
-    float spread;         // spread of the pixel per unit of distance
-    float nearness;       // nearness of what it reflects
+    float width;          // of the pixel's footprint there, in world units
+    float spread;         // of the footprint, per unit of distance
+    float nearness;       // of the reflected surface
   };
   struct Layer {
     uint32_t pixel, texel;   // index in the picture, index in the cache
     glm::vec3 rest, weight;  // the layer's radiance is rest + weight * reflected
-    glm::vec3 noise;         // weight * reflected, of one direction
-    float spread;            // of the lobe, as a share of a reflection's
+    glm::vec3 noise;         // weight * reflected, from one direction
+    float spread;            // width of the lobe, relative to a reflection's
     bool is_sampled;         // as in RoughReflection
-    glm::vec3 surroundings;  // likewise
+    glm::vec3 surroundings;  // as in RoughReflection
   };
-  // Holds what one chunk of pixels found, in its order.
+  // Holds the layers of one chunk of pixels, in the chunk's order.
   struct Chunk {
     std::vector<Place> places;
     std::vector<Layer> layers;
-    std::vector<glm::vec4> reflected;  // radiance; w: 1 where a surface was hit, 0 where the environment was
-    std::vector<int32_t> ranks;        // how many layers of the pixel come before it, the last that was found being 0
+    std::vector<glm::vec4> reflected;  // radiance; w: 1 if a surface was hit, 0 for the environment
+    std::vector<int32_t> ranks;        // index of the layer in its pixel, where the last one found is 0
     void add(uint32_t pixel, uint32_t texel, uint32_t surface_id, const SurfacePoint& point, glm::vec3 radiance,
              const RoughReflection& rough);
   };
@@ -49,7 +49,7 @@ class LayerFilter {
   // Resets the filter for a frame.
   void begin(size_t chunks);
   Chunk& chunk(size_t index) { return chunks_[index]; }
-  // Writes the filtered radiance of all that was collected.
+  // Writes the filtered radiance of all collected layers.
   void apply(Executor& executor, LayerCache& cache);
 
  private:
@@ -57,7 +57,7 @@ class LayerFilter {
   struct alignas(64) Line {
     Value values[layers_at_once];
   };
-  // Part of the picture whose layers lie together.
+  // Describes a tile of the picture, whose layers are contiguous.
   struct Tile {
     int32_t first, count;
   };
@@ -78,13 +78,13 @@ class LayerFilter {
   const LayerFilterKernels* kernels_;
   uint32_t width_ = 0, height_ = 0, tiles_x_ = 0;
   std::vector<Chunk> chunks_;
-  std::vector<Chunk*> filled_;  // those that hold layers: under a deadline few do
+  std::vector<Chunk*> filled_;  // chunks with layers; few under a deadline
   std::vector<Tile> tiles_;
-  // Layers lie by tile, row, rank and column there, so that neighbours in the picture mostly follow each other.
+  // Layers are ordered by tile, row, rank and column, so that neighbours in the picture are mostly neighbours here.
   LayerColumns columns_{};
   std::vector<Line<float>> floats_;
   std::vector<Line<int32_t>> integers_;
-  std::vector<int32_t> first_;  // all are none between frames
+  std::vector<int32_t> first_;  // all entries are `none` between frames
   std::vector<const Layer*> layers_;
 };
 

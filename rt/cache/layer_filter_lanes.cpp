@@ -1,19 +1,19 @@
-// Compiled once for each instruction set (sideray_lanes() in rt/CMakeLists.txt; rt/base/lanes.h).
-// Any thread may call them.
+// Is compiled once for each instruction set (sideray_lanes() in rt/CMakeLists.txt; rt/base/lanes.h). Any thread may
+// call the kernels.
 //
-// The filter runs edge-avoiding a-trous wavelets (Dammertz et al. 2010) with the 3x3 kernel of the linear B-spline; the
-// edges are those of surfaces, never of the noisy signal. How far a pixel may look follows from its lobe. If the point
-// moves by x on the surface, then what the lobe covers at distance d moves by x (1 + d / D), with D the eye's distance:
+// The filter runs edge-avoiding a-trous wavelets (Dammertz et al. 2010) with the 3x3 kernel of the linear B-spline.
+// Edges are those of surfaces, never of the noisy signal. The filter's radius follows from the lobe: if the point moves
+// by x on the surface, the lobe's footprint at distance d moves by x (1 + d / D), with D the eye's distance, because
 // the mirrored eye's rays spread as the eye's do. The lobe's own width there is about 2 alpha d. A radius that is a
-// share of that blurs what the lobe has blurred already; toward what touches the surface it shrinks to nothing, and
-// contacts stay.
+// share of that blurs only what the lobe has blurred already. It shrinks to zero where surfaces touch, so contacts stay
+// sharp.
 #include "rt/base/lane_reads.h"
 #include "rt/cache/layer_filter_kernels.h"
 
 namespace sideray::rt::SIDERAY_LANES {
 
 constexpr float least_reach_px = 0.5f;
-constexpr float like_roughness = 0.2f;  // how much roughness may differ, as a share
+constexpr float like_roughness = 0.2f;  // largest relative difference of roughness
 constexpr int around_count = 8;
 
 SIDERAY_LANE real3 load_any(float* const (&values)[3], int32_t at) {
@@ -42,13 +42,13 @@ SIDERAY_LANE real3 read3(const Read& read, float* const (&values)[3]) {
 
 constexpr float bell_end = 8.0f;
 
-// Approximates exp(-q / 2); it is the same bits everywhere.
+// Approximates exp(-q / 2), with the same bits everywhere.
 SIDERAY_LANE real bell(real q) {
   const real rest = max(1.0f - q * (1.0f / bell_end), real(0.0f));
   return rest * rest * rest * rest;
 }
 
-// Holds up to sixteen layers for which neighbours are searched.
+// Holds up to sixteen layers whose neighbours are searched for.
 struct Centre {
   real3 position, geometric_normal;
   integer surface;
@@ -56,7 +56,7 @@ struct Centre {
 };
 
 SIDERAY_LANE int32_t offset_of(const LayerColumns& c, int k, int32_t step) {
-  const int i = k < 4 ? k : k + 1;  // in rows, without the middle
+  const int i = k < 4 ? k : k + 1;  // in rows, without the centre
   return ((i / 3 - 1) * c.stride + i % 3 - 1) * step;
 }
 
@@ -75,8 +75,8 @@ SIDERAY_LANE void find_heads(const LayerColumns& c, int32_t at, int32_t step, bo
   });
 }
 
-// Returns the layer of the pixel that begins at `head` and lies on the same part of the same surface, or none: within
-// the plane of the other, except for the deviation of a curve through both.
+// Returns a layer of the pixel whose layers start at `head`, or none. The layer must be on the same part of the same
+// surface: near the plane of `a`, with a tolerance for the bend between the two normals.
 SIDERAY_LANE integer like(const LayerColumns& c, const Centre& a, integer head) {
   constexpr float flat = 0.05f, most_bend = 0.5f;
   integer candidate = head, best(-1);
@@ -99,7 +99,7 @@ SIDERAY_LANE integer like(const LayerColumns& c, const Centre& a, integer head) 
   return best;
 }
 
-// Returns whether a layer of the same surface lies within `reach`, as bell() counts.
+// Returns whether a layer of the same surface is within `reach`, which ends where bell() does.
 SIDERAY_LANE bool reaches(const LayerColumns& c, const Centre& a, real reach, integer head) {
   integer candidate = head;
   boolean within = integer(0) < integer(0);
@@ -112,17 +112,17 @@ SIDERAY_LANE bool reaches(const LayerColumns& c, const Centre& a, real reach, in
   return sr_any(within);
 }
 
-// Returns how many equal weights average as well as all passes do within the reach. Steps 1, 2, 4, 8 of [1 2 1] / 4 sum
-// up to a variance of 0.5 (1 + 4 + 16 + 64) along each axis; the reach cuts it. A Gaussian of variance v averages 4 pi
-// v.
+// Returns how many equal weights would average as well as all passes do within the reach. Steps 1, 2, 4, 8 of [1 2 1] /
+// 4 have a total variance of 0.5 (1 + 4 + 16 + 64) along each axis, which the reach limits. A Gaussian of variance v
+// averages 4 pi v samples.
 SIDERAY_LANE real samples_averaged(real reach_px) {
   constexpr float variance = 0.5f * ((1 << 2 * layer_filter_passes) - 1) / 3;
   return max(real(12.566f) / (1.0f / variance + 1.0f / (reach_px * reach_px)), real(1.0f));
 }
 
-// Where few layers are averaged, a single direction far brighter than its neighbours would show as a spot, so it is
-// limited relative to the mean. Directions above four times the mean lose energy; without an average nothing is
-// limited.
+// Limits each direction's light relative to the mean of its neighbours, because where few layers are averaged a far
+// brighter one would show as a spot. Directions above at least four times the mean lose energy. Layers that are not
+// averaged are not limited.
 void prepare_layers(const LayerColumns& c, int32_t first) {
   for (int32_t at = first; at < first + layers_at_once; at += lane_count) {
     Centre centre = centre_at(c, at);
@@ -157,7 +157,7 @@ void prepare_layers(const LayerColumns& c, int32_t first) {
 }
 
 void blur_layers(const LayerColumns& c, int32_t first, int32_t pass) {
-  // The kernel against 1 in the middle.
+  // Weights relative to 1 in the middle.
   constexpr float kernel[around_count] = {0.25f, 0.5f, 0.25f, 0.5f, 0.5f, 0.25f, 0.5f, 0.25f};
   for (int32_t at = first; at < first + layers_at_once; at += lane_count) {
     const real reach = load_any(c.reach + at);
@@ -187,7 +187,7 @@ void blur_layers(const LayerColumns& c, int32_t first, int32_t pass) {
         const real3 bend = read3(read, c.normal) - normal;
         const real roughness_there = read(c.roughness);
         const real rougher = (roughness_there - roughness) / (min(roughness, roughness_there) * like_roughness);
-        // 1 for what reflects the same by the same lobe, falling to 0.
+        // 1 for an equal normal and roughness nearby, falling to 0.
         const real weight = bell(far + dot(bend, bend) / (turn * turn) + rougher * rougher) * kernel[k];
         const boolean counts = is_near && !(weight <= 0.0f);
         if (!sr_any(counts)) return;

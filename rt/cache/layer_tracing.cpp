@@ -34,15 +34,14 @@ StillFrames::Hashes hash_pictures(const CacheRequest& r, Executor& executor) {
   return {hash_depth(executor, r.depth, r.width, r.height, bits), hash_rows(executor, std::as_bytes(r.mask_bytes), r.height)};
 }
 
-// The filter's passes look 15 pixels far, and what decides how far it reaches 2 more.
+// The filter's passes reach 15 pixels, and the computation of its reach 2 more.
 constexpr uint32_t read_around = 1;
 
 size_t tile_of(const PixelRequest& pixel, uint32_t width) {
   return size_t{pixel.y / frame_tile_size} * tile_count(width) + pixel.x / frame_tile_size;
 }
 
-// Counts what was followed while a chunk was traced to those of its tiles that are wanted; the pixels of a tile come one after
-// the other.
+// Adds the rays of a chunk to those of its tiles that are wanted; the pixels of a tile are consecutive.
 void add_to_tiles(const CacheRequest& request, std::span<const PixelRequest> pixels, Following& rays) {
   size_t last = ~size_t{0};
   for (const PixelRequest& pixel : pixels) {
@@ -66,8 +65,8 @@ void LayerTracing::check(const CacheRequest& request, const LayerCache& cache) c
          request.width, request.height, request.max_layers, cache.width, cache.height, cache.layers);
 }
 
-// Pixels of a chunk are donors to each other: it is traced as a whole if any of its tiles is needed. Returns the tiles
-// with pixels to trace or to clear; empty: all.
+// The pixels of a chunk are donors to each other, so a chunk is traced as a whole if any of its tiles is needed.
+// Returns the tiles with pixels to trace or to clear; empty: all.
 std::vector<uint8_t> LayerTracing::choose_chunks(const CacheRequest& request) {
   chosen_.clear();
   const std::vector<uint8_t> needed = traced_tiles(request.wanted, request.width, read_around);
@@ -83,7 +82,7 @@ std::vector<uint8_t> LayerTracing::choose_chunks(const CacheRequest& request) {
   return traced;
 }
 
-// The history must own clearing the cache; otherwise it is reset.
+// With history, the history clears the cache; without it the history is reset.
 void LayerTracing::prepare(const CacheRequest& request, TracedScene& scene, LayerCache& cache) {
   if (!takes_older(request)) {
     begin_cache(request, chunks_.frame().tiles, choose_chunks(request), scene.executor(), cache);
@@ -97,7 +96,7 @@ void LayerTracing::prepare(const CacheRequest& request, TracedScene& scene, Laye
 }
 
 Counters LayerTracing::trace(const CacheRequest& request, TracedScene& scene, LayerCache& cache) {
-  scene.shading();  // it fails where nothing is committed: then the cache stays as it is
+  scene.shading();  // fails if nothing is committed; then the cache is unchanged
   if (request.max_layers == 0 || request.max_layers > most_cached_layers)
     fail(SIDERAY_INVALID_ARGUMENT, "layers is {}: a layer cache holds 1 to {}", request.max_layers, most_cached_layers);
   if (request.still && request.still->begin(key_of(request), request.sequence, scene.committed(),
@@ -121,7 +120,7 @@ Counters LayerTracing::trace(const CacheRequest& request, TracedScene& scene, La
     composite_filtered(scene.executor(), cache);
     counters.denoise_ms = watch.ms();
   }
-  // After a cancelled frame the owner's textures are undefined: the next frame clears and uploads everything.
+  // A cancelled frame leaves the owner's textures undefined, so the next frame must clear and upload everything.
   if (end == TraceEnd::cancelled) std::fill(cache.traced_tiles.begin(), cache.traced_tiles.end(), uint8_t{1});
   if (end == TraceEnd::cancelled && request.older) request.older->forget();
   for (const Worker& worker : workers_) counters += worker.counters;
@@ -139,7 +138,7 @@ void LayerTracing::composite_filtered(Executor& executor, LayerCache& cache) {
   });
 }
 
-// Lets straight rays end at the first surface that bends light; refracted rays then hit everything that the frame
+// Makes straight rays end at the first surface that bends light; refracted rays then hit everything that the frame
 // shows.
 void LayerTracing::refract(const CacheRequest& request, TracedScene& scene, FrameContext& straight, Bent& bent) {
   scene.place_sprites(request.view, request.height);

@@ -1,5 +1,5 @@
-// Traces the layers of a frame into a cache: gathers pixels, traces and shades them in chunks, filters what rough
-// surfaces reflect. Keeps its memory from frame to frame. One call at a time.
+// Traces the layers of a frame into a cache: gathers pixels, traces and shades them in chunks, and filters rough
+// reflections. It reuses its memory every frame. One call at a time.
 #pragma once
 
 #include <vector>
@@ -19,7 +19,7 @@ namespace sideray::rt {
 class LayerTracing {
  public:
   explicit LayerTracing(uint32_t threads) : shaders_(threads), workers_(threads) {}
-  // Throws Failure.
+  // Traces the layers of `request` into `cache`. Throws Failure.
   Counters trace(const CacheRequest& request, TracedScene& scene, LayerCache& cache);
 
  private:
@@ -32,9 +32,9 @@ class LayerTracing {
   void check(const CacheRequest& request, const LayerCache& cache) const;
   std::vector<uint8_t> choose_chunks(const CacheRequest& request);
   void prepare(const CacheRequest& request, TracedScene& scene, LayerCache& cache);
-  // State for pixels whose light is refracted.
+  // Holds the state for pixels whose light is refracted.
   struct Bent {
-    FrameContext behind;  // what refracted rays hit
+    FrameContext behind;  // scene of the refracted rays
     RefractionContext context;
   };
   void refract(const CacheRequest& request, TracedScene& scene, FrameContext& straight, Bent& bent);
@@ -42,10 +42,10 @@ class LayerTracing {
   TraceEnd trace_chunks(const CacheRequest& request, TracedScene& scene, LayerCache& cache, Counters& counters);
 
   FrameChunks chunks_;
-  std::vector<uint8_t> chosen_;  // which of them are traced; empty: all
+  std::vector<uint8_t> chosen_;  // chunks to trace; empty: all
   FrameShaders shaders_;
   LayerFilter filter_;
-  std::vector<std::vector<WholePixels::Pixel>> whole_later_;  // of each chunk: those that are filtered first
+  std::vector<std::vector<WholePixels::Pixel>> whole_later_;  // by chunk: whole pixels that wait for the filter
   KeptRefractionScene refraction_;
   std::vector<Worker> workers_;
 };

@@ -12,14 +12,14 @@ namespace sideray::rt {
 namespace {
 
 constexpr uint16_t half_zero = 0, half_moved = 0x3800;  // LayerCache::moved_alpha
-constexpr float parts_of_pixel = 4096.0f;               // of Surface::off
+constexpr float parts_of_pixel = 4096.0f;               // units of Surface::off in a pixel
 constexpr uint32_t tile_size = LayerCache::tile_size;
 
 glm::vec2 sign_of(glm::vec2 v) {
   return {v.x < 0.0f ? -1.0f : 1.0f, v.y < 0.0f ? -1.0f : 1.0f};
 }
 
-// An octahedron's faces unfolded.
+// Encodes the normal on an unfolded octahedron.
 void store_normal(glm::vec3 n, int16_t to[2]) {
   n /= std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
   const glm::vec2 flat(n);
@@ -42,8 +42,8 @@ glm::dmat4 full(const glm::mat4x3& m) {
   return {glm::dvec4(m[0], 0.0), glm::dvec4(m[1], 0.0), glm::dvec4(m[2], 0.0), glm::dvec4(m[3], 1.0)};
 }
 
-// Returns whether the layers of one request can be history of the other. Random numbers may differ: they estimate the
-// same light.
+// Returns whether layers of one request can be history of the other. Random numbers may differ, because they estimate
+// the same light.
 bool serve_alike(const CacheRequest& a, const CacheRequest& b) {
   return a.width == b.width && a.height == b.height && a.max_layers == b.max_layers &&
          a.all_translucent == b.all_translucent && a.shadows == b.shadows && a.light_bounces == b.light_bounces && a.step == b.step &&
@@ -78,7 +78,7 @@ struct OlderLayers::Passage {
   size_t pixel(glm::uvec2 at) const { return size_t{at.y} * request.width + at.x; }
   size_t tile(glm::uvec2 at) const { return size_t{at.y / tile_size} * tile_count(request.width) + at.x / tile_size; }
   uint32_t rows() const { return tile_count(request.height); }
-  // Calls work(pixel) for those of a row of tiles that hold answers.
+  // Calls work(pixel) for the pixels with answers in a row of tiles.
   template <typename Work>
   void for_pixels(uint32_t row, const Work& work) const {
     const uint32_t columns = tile_count(request.width);
@@ -122,7 +122,7 @@ void OlderLayers::start(const CacheRequest& request, const FramePixels& pixels, 
   camera_ = FrameCamera(request.view, request.width, request.height);
 }
 
-// Finds what has moved of the surfaces that layers are of; returns whether anything has moved at all.
+// Finds which surfaces of layers have moved, and returns whether anything in the scene has.
 bool OlderLayers::find_motions(const model::Snapshot& posed) {
   motions_.clear();
   if (&posed == posed_.get()) return false;
@@ -177,7 +177,7 @@ void OlderLayers::mark(const Passage& passage, glm::uvec2 at) const {
   set(passage.cache.dirty_tiles[passage.tile(at)]);
 }
 
-// Takes a pixel's layers away from one on.
+// Removes a pixel's layers from index `from` on.
 void OlderLayers::empty(LayerCache& cache, size_t pixel, uint32_t from) const {
   const size_t plane = size_t{cache.width} * cache.height;
   for (uint32_t k = from; k < cache.layers && cache.distance[k * plane + pixel] != 0.0f; ++k)
@@ -204,7 +204,7 @@ void OlderLayers::pull_row(const Passage& passage, uint32_t row) {
   sort(to, passage.rows());
 }
 
-// Returns how a surface has moved, null where it has not. No surface has the id 0.
+// Returns the motion of a surface, or null if it has not moved. No surface has the id 0.
 const OlderLayers::Motion* OlderLayers::motion_of(uint32_t surface_id, Row& row) const {
   if (surface_id == row.last_id) return row.last_motion;
   const auto found = motions_.find(surface_id);
@@ -212,7 +212,7 @@ const OlderLayers::Motion* OlderLayers::motion_of(uint32_t surface_id, Row& row)
   return row.last_motion = found == motions_.end() ? nullptr : &found->second;
 }
 
-// Takes out what is seen elsewhere now. The layers that stay keep their order.
+// Removes from a pixel the layers that are now seen elsewhere. The others keep their order.
 void OlderLayers::pull_pixel(const Passage& passage, glm::uvec2 at, Row& row) {
   LayerCache& cache = passage.cache;
   const size_t pixel = passage.pixel(at), plane = passage.plane();
@@ -260,7 +260,7 @@ void OlderLayers::pull_layer(const Passage& passage, glm::uvec2 at, size_t texel
   if (!(nearest.x >= 0.0 && nearest.y >= 0.0 && nearest.x < passage.request.width && nearest.y < passage.request.height))
     return;
   const std::optional<double> now = passage.now.distance(nearest, *point, normal);
-  // The other side of a surface looks otherwise.
+  // The two sides of a surface look different.
   if (!now || (glm::dot(normal, passage.now.direction(nearest)) < 0.0) != front) return;
   const glm::uvec2 to(nearest);
   Carried carried{.pixel = static_cast<uint32_t>(passage.pixel(to)),
@@ -278,7 +278,7 @@ void OlderLayers::pull_layer(const Passage& passage, glm::uvec2 at, size_t texel
   row.layers.push_back(carried);
 }
 
-// Orders layers by the row of tiles that they go to; those of a row stay in their order.
+// Sorts layers stably by the row of tiles that they are moved to.
 void OlderLayers::sort(Row& row, uint32_t rows) {
   row.first.assign(size_t{rows} + 1, 0);
   for (const Carried& layer : row.layers) ++row.first[layer.row + 1];
@@ -288,8 +288,8 @@ void OlderLayers::sort(Row& row, uint32_t rows) {
   for (const Carried& layer : row.layers) row.sorted[next[layer.row]++] = layer;
 }
 
-// Inserts a layer into those of its pixel, nearest first. Of two layers of one surface less than a pixel apart, the one
-// that was traced nearer to the pixel's middle counts.
+// Inserts a layer into its pixel, nearest first. Of two layers of one surface less than a pixel apart, the one that was
+// traced nearer to the pixel's middle stays.
 void OlderLayers::place(const Passage& passage, const Carried& layer) {
   LayerCache& cache = passage.cache;
   const size_t plane = passage.plane(), pixel = layer.pixel;
@@ -330,7 +330,7 @@ void OlderLayers::place(const Passage& passage, const Carried& layer) {
   lower(tile_oldest_[passage.tile(where)], layer.traced_in);
 }
 
-// Layers that come nearer leave pixels between them empty, which take what one beside them has.
+// Layers that come nearer leave gaps between their pixels, which are filled from a neighbour.
 void OlderLayers::fill_holes(const Passage& passage) {
   constexpr size_t piece = 1024;
   constexpr glm::ivec2 beside[] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
@@ -382,7 +382,7 @@ void OlderLayers::fill_hole(const Passage& passage, glm::uvec2 at, glm::uvec2 fr
   }
 }
 
-// Clears pixels whose history has expired. Tiles that hold none of them are not looked at.
+// Clears pixels whose history has expired. Tiles without such pixels are skipped.
 void OlderLayers::drop_old(const Passage& passage) {
   const uint32_t columns = tile_count(passage.request.width);
   const auto is_old = [&](uint32_t traced_in) { return traced_in != 0 && state_ - traced_in > oldest; };
@@ -406,7 +406,7 @@ void OlderLayers::drop_old(const Passage& passage) {
   });
 }
 
-// A pixel stays whole only if the mask counts as many surfaces as it holds.
+// A pixel stays whole only if it holds as many surfaces as the mask counts.
 void OlderLayers::refuse_whole(const Passage& passage) {
   LayerCache& cache = passage.cache;
   passage.executor.run(passage.rows(), [&](size_t row, uint32_t) {
@@ -487,8 +487,8 @@ uint64_t OlderLayers::leave(std::span<const PixelRequest> pixels, Counters& coun
   }
   counters.pixels_older += pixels.size() - nothing;
   counters.answer_age = std::max<uint64_t>(counters.answer_age, state_ - earliest);
-  // What is of the present state may have been traced in its first frame; what is of one before has waited longer. Blocks may have
-  // had a turn with other pixels of theirs.
+  // Layers of the present state may be as old as its first frame, and older ones have waited longer. Their block may
+  // have been traced since, but only other pixels of it.
   const uint32_t waiting = std::max(number_ - state_began_ + state_ - earliest, number_ - turn);
   counters.frames_waiting = std::max<uint64_t>(counters.frames_waiting, waiting);
   return nothing;

@@ -1,7 +1,7 @@
-// The history of the layer cache, for pixels that have no turn under a deadline. Layers stay where view and surfaces
-// stand still; others are reprojected, each with its own instance. The least recently traced come first in the next
-// frame. One object a sequence and cache; one thread calls it and it works on the executor's, but what is said of a
-// chunk may be said of several chunks at a time.
+// Holds the history of the layer cache, for pixels that a deadline skips. Layers stay in place if view and surfaces are
+// at rest; others are reprojected, each with its own instance. The least recently traced come first in the next frame.
+// One object a sequence and cache. One thread calls it, and it uses the executor's; functions of a chunk may be called
+// for several chunks at a time.
 #pragma once
 
 #include <cstdint>
@@ -26,14 +26,15 @@ bool takes_older(const CacheRequest& request);
 
 class OlderLayers {
  public:
-  // History expires after this many frames in which something has changed; frames without change do not count.
+  // History expires after this many frames in which something changed; frames without change do not count.
   static constexpr uint32_t oldest = 120;
-  static constexpr uint8_t no_answer = 255;  // in place of an age
+  static constexpr uint8_t no_answer = 255;  // instead of an age
 
-  // Clears the cache for the request's frame, as begin_cache() does, except for history that can be reused. A frame
-  // that does not continue, and a change of lights, environment, materials, textures, triangles, names or options,
-  // reset the history. Texels that stay in place keep their bits. Reprojected ones have an alpha of moved_alpha instead
-  // of 1, and no pixel with one is whole. `posed`: the snapshot that rays hit; `committed`: without poses.
+  // Clears the cache for the request's frame, as begin_cache() does, except for reusable history. A frame that does not
+  // continue the sequence resets the history, and so does a change of lights, environment, materials, textures,
+  // triangles, names or options. Texels that stay in place keep their bits. Reprojected ones have an alpha of
+  // moved_alpha instead of 1, and no pixel with one is whole. `posed`: the snapshot that rays hit; `committed`: the one
+  // without poses.
   void begin(const CacheRequest& request, std::shared_ptr<const model::Snapshot> posed,
              std::shared_ptr<const model::Snapshot> committed, const FramePixels& pixels, Executor& executor,
              LayerCache& cache);
@@ -42,33 +43,33 @@ class OlderLayers {
   // Returns whether the cache may hold reprojected layers.
   bool has_moved() const { return has_moved_; }
 
-  // Returns of each pixel's oldest layer what OlderMasks::answers() does.
+  // Returns the age of each pixel's oldest layer, encoded as by OlderMasks::answers().
   std::vector<uint8_t> answers() const;
-  // Returns the frame of the least recently traced pixel; 0 if most of them show nothing.
+  // Returns the frame of the least recently traced pixel; 0 if most of the pixels have no answer.
   uint32_t last_turn(std::span<const PixelRequest> pixels) const;
   // Clears pixels of the cache that are about to be traced.
   void clear(std::span<const PixelRequest> pixels, LayerCache& cache);
-  // Records the surface of a layer that is traced. `texel`: of the cache; `normal`: unit, on the front's side.
+  // Records the surface of a traced layer. `texel`: index in the cache; `normal`: unit, on the front's side.
   void record(size_t texel, glm::vec3 normal);
-  // Call when pixels were traced to the end.
+  // Notes that all layers of the pixels were traced.
   void traced(std::span<const PixelRequest> pixels, LayerCache& cache);
-  // Counts pixels that were skipped: pixels_older, answer_age; returns how many show nothing.
+  // Counts skipped pixels: pixels_older, answer_age. Returns how many have no answer.
   uint64_t leave(std::span<const PixelRequest> pixels, Counters& counters) const;
 
  private:
-  // The history of a layer besides the cache: the place where it was traced, from the middle of its pixel, in 4096ths
-  // of a pixel, so that repeated reprojection does not accumulate rounding.
+  // Holds the history of a layer that is not in the cache. `off` is where it was traced, relative to the middle of its
+  // pixel, in 4096ths of a pixel: repeated reprojection accumulates no rounding.
   struct Surface {
     int16_t normal[2] = {0, 0};
     int16_t off[2] = {0, 0};
   };
-  // How an instance has moved since the previous frame.
+  // Says how an instance has moved since the previous frame.
   struct Motion {
     bool lost;  // its vertices have changed, so its surfaces cannot be reprojected
     glm::dmat4 now_from_then;
     glm::dmat3 normal_now_from_then;
   };
-  // A layer that is reprojected to another pixel.
+  // Holds a layer that is reprojected to another pixel.
   struct Carried {
     uint32_t pixel, row, surface_id, traced_in;
     float distance;
@@ -78,11 +79,11 @@ class OlderLayers {
   struct Row {
     std::vector<Carried> layers, sorted;
     std::vector<uint32_t> first;  // index in `sorted` of the first layer for each row of tiles
-    // The surface that was looked up last: neighbours show the same.
+    // The surface of the last look-up, because neighbours often show the same one.
     uint32_t last_id = 0;
     const Motion* last_motion = nullptr;
   };
-  // A frame on its way from one view to the next.
+  // Holds the two views between which layers are reprojected.
   struct Passage;
 
   bool follows(const CacheRequest& request, const model::Snapshot& committed, const LayerCache& cache) const;
@@ -107,14 +108,14 @@ class OlderLayers {
   bool known_ = false, has_moved_ = false;
   CacheRequest request_;  // of the last frame; pointers in it are not followed
   std::shared_ptr<const model::Snapshot> posed_, committed_;
-  FrameCamera camera_;  // from which the layers were traced
-  uint32_t number_ = 0, state_ = 0;  // numbers of the frame, and of the last change of what is seen
-  uint32_t state_began_ = 0;         // number of the last frame in which it grew
-  std::vector<uint32_t> traced_in_;  // of each pixel: state_ of its oldest layer; 0 = it shows nothing
-  std::vector<uint32_t> turns_;      // of each block of pixels: the number of the frame that traced it last
-  std::vector<uint32_t> tile_oldest_;  // of each tile: not above the least of traced_in_; 0 = none is above 0
-  std::vector<Surface> surfaces_;    // a texel of the cache each
-  std::unordered_map<uint32_t, Motion> motions_;  // by surface id: of those that have moved
+  FrameCamera camera_;  // that the layers were traced from
+  uint32_t number_ = 0, state_ = 0;  // number of the frame; number of changes of the scene or view so far
+  uint32_t state_began_ = 0;         // last frame in which state_ grew
+  std::vector<uint32_t> traced_in_;  // by pixel: state_ when its oldest layer was traced; 0 = no answer
+  std::vector<uint32_t> turns_;      // by block of pixels: the last frame that traced it
+  std::vector<uint32_t> tile_oldest_;  // by tile: at most the smallest traced_in_ above 0; 0 = there is none
+  std::vector<Surface> surfaces_;    // one a texel of the cache
+  std::unordered_map<uint32_t, Motion> motions_;  // by surface id: moved instances
   std::vector<Row> rows_;
 };
 

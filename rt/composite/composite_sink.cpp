@@ -28,7 +28,7 @@ void begin_composite(const LayerRequest& request, const std::vector<uint8_t>& ti
   image.half_difference.assign(request.light_samples > 0 ? size_t{request.width} * request.height : 0, glm::vec3(0.0f));
   mark_tiles(fresh, tiles, {}, image.traced_tiles, image.dirty_tiles);
   for_tile_rows(request.width, request.height, image.dirty_tiles, executor, [&](size_t first, uint32_t count) {
-    // The surroundings are seen only through the transmittance: alpha is 1, as store_refracted() stores it.
+    // Nothing is refracted here: alpha is 1, as store_refracted() stores it.
     for (size_t texel = first; texel < first + count; ++texel)
       std::copy_n(std::array<uint16_t, 4>{0, 0, 0, half_one}.begin(), 4, &image.radiance[4 * texel]);
     std::fill_n(image.transmittance.begin() + static_cast<ptrdiff_t>(4 * first), 4 * size_t{count}, half_one);

@@ -1,5 +1,5 @@
-// Composites a frame's surfaces into the image, whose previous tiles are cleared. One thread calls begin_composite; the
-// sinks of different chunks write different texels and may run at the same time.
+// Composites a frame's surfaces into the image, after clearing the tiles of the previous frame. One thread calls
+// begin_composite; the sinks of different chunks write different texels and may run at the same time.
 #pragma once
 
 #include <cstdint>
@@ -14,17 +14,17 @@
 
 namespace sideray::rt {
 
-// Sizes the image, clears the tiles traced in the last frame and those about to be, and marks both as dirty.
+// Resizes the image, clears the tiles traced in the last frame and those about to be traced, and marks both as dirty.
 void begin_composite(const LayerRequest& request, const std::vector<uint8_t>& tiles, Executor& executor,
                      CompositeImage& image);
 
 class CompositeSink final : public LayerSink {
  public:
-  // Accumulates a pixel of a chunk.
+  // Accumulates the surfaces of one pixel of a chunk.
   struct Pixel {
     glm::vec3 radiance, half_difference, transmittance;
   };
-  // exact: stores the mean of the two estimates of each radiance and half of their difference; continues to the last
+  // exact: stores the mean of each radiance's two estimates and half of their difference, and continues to the last
   // visible surface.
   CompositeSink(CompositeImage& image, std::vector<Pixel>& scratch, bool exact)
       : image_(image), pixels_(scratch), exact_(exact) {}
@@ -40,8 +40,8 @@ class CompositeSink final : public LayerSink {
   bool exact_;
 };
 
-// Stores what refracted rays saw in the image's texels. The alpha of radiance is 1 minus the transmittance to the
-// surroundings, which the radiance includes. exact: as in CompositeSink.
+// Stores the light of refracted rays. The alpha of radiance is 1 minus the transmittance to the surroundings, which the
+// radiance includes. exact: as in CompositeSink.
 void store_refracted(std::span<const PixelRequest> pixels, const std::vector<RefractedPixel>& seen, bool exact,
                      CompositeImage& image);
 

@@ -13,7 +13,7 @@ LayerSet layers_of(const LayerRequest& request) {
   return request.all_translucent ? LayerSet::all_translucent : LayerSet::visible_in_layers;
 }
 
-// The stencil's count does not bound a ray that is refracted into other pixels, nor one that also hits particles.
+// The stencil's count does not limit a ray that is refracted into other pixels or that also hits particles.
 PixelSelection selection_of(const LayerRequest& request) {
   return {.pattern = {}, .requested_bits = 0, .counted = !request.refraction && !request.particles};
 }

@@ -1,5 +1,5 @@
-// Traces a frame's translucent surfaces and composites them along the rays, straight or refracted. Keeps its memory
-// from frame to frame. One call at a time.
+// Traces a frame's translucent surfaces and composites them along straight or refracted rays. It reuses its memory
+// every frame. One call at a time.
 #pragma once
 
 #include <vector>
@@ -21,7 +21,8 @@ namespace sideray::rt {
 class CompositeTracing {
  public:
   explicit CompositeTracing(uint32_t threads) : sprites_(threads), shaders_(threads), workers_(threads) {}
-  // `exact`: shaders that make two estimates, for a request with light samples; otherwise null. Throws Failure.
+  // Traces `request` into `image`. `exact`: shaders that make two estimates, for a request with light samples;
+  // otherwise null. Throws Failure.
   Counters trace(const LayerRequest& request, TracedScene& scene, ShaderSource* exact, CompositeImage& image);
 
  private:
@@ -39,7 +40,8 @@ class CompositeTracing {
   FrameChunks::Trace along_refracted_rays(const RefractionContext& context, ShaderSource& shaders,
                                           CompositeImage& image);
 
-  // Straight rays end where light is bent, and what is seen there is resolved. `bent`: null where nothing bends light.
+  // Makes straight rays end at surfaces that bend light, and resolves the light there. `bent`: null if nothing bends
+  // light.
   FrameChunks::Trace to_resolved_surfaces(const FrameContext& straight, const RefractionContext* bent,
                                           ShaderSource& shaders, CompositeImage& image);
 

@@ -10,7 +10,7 @@
 namespace sideray::rt {
 namespace {
 
-constexpr float least_seen_through = 1e-4f;  // of what can be seen, as in CompositeSink
+constexpr float least_seen_through = 1e-4f;  // smallest transmittance that matters, as in CompositeSink
 
 }  // namespace
 
@@ -59,7 +59,7 @@ void FilteredSink::begin(std::span<const PixelRequest> pixels) {
   }
 }
 
-// The cover and transmittance of a refracting surface are part of the light found there.
+// For a refracting surface, cover and transmittance are part of its resolved light.
 bool FilteredSink::meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met, glm::vec3& weight) {
   Pixel& p = pixels_[pixel];
   if (!bends_.empty() && bends_[snapshot_.instances[met.hit.instance].material] != 0) {
@@ -78,7 +78,7 @@ void FilteredSink::add(uint32_t pixel, uint32_t layer, const Hit&, const glm::ve
   if (layer < Pixel::most_told) p.weights[layer] = weight;
 }
 
-// Subtracts the surface's light, which has just been added: it waits for the filter.
+// Subtracts the surface's light, which add() has just added, because it waits for the filter.
 void FilteredSink::add_rough(uint32_t pixel, uint32_t layer, const SurfacePoint& point, glm::vec3 radiance,
                              const RoughReflection& rough) {
   if (!surfaces_.filters() || layer >= Pixel::most_told) return;

@@ -1,6 +1,6 @@
-// Composites a frame's surfaces as CompositeSink does, where surfaces that bend light are resolved (RefractingSink) and what
-// rough surfaces reflect is filtered over the picture before it is added. The sinks of different chunks write different
-// texels and may run at the same time.
+// Composites a frame's surfaces as CompositeSink does, but resolves surfaces that bend light (RefractingSink) and
+// filters rough reflections over the picture before it adds them. The sinks of different chunks write different texels
+// and may run at the same time.
 #pragma once
 
 #include <array>
@@ -14,10 +14,11 @@
 
 namespace sideray::rt {
 
-// Holds what the first rough surfaces of each pixel show until it is filtered, and the chunks' pixels that wait for it.
+// Holds the radiance of each pixel's first rough surfaces until it is filtered, and the chunks' pixels that wait for
+// it.
 class FilteredSurfaces {
  public:
-  static constexpr uint32_t most = 2;  // surfaces of a pixel; those behind keep their noise
+  static constexpr uint32_t most = 2;  // filtered surfaces a pixel; those behind keep their noise
   struct Pixel {
     uint32_t texel;
     uint32_t surfaces;
@@ -25,32 +26,32 @@ class FilteredSurfaces {
     std::array<glm::vec3, most> weights;
   };
 
-  // Resets the sink for a frame. `filters` false: nothing is filtered.
+  // Resets for a frame. `filters` false: nothing is filtered.
   void begin(uint32_t width, uint32_t height, size_t chunks, bool filters);
   bool filters() const { return !waiting_.empty(); }
-  // Takes what one direction shows of a pixel's surface of that number.
+  // Adds the radiance from one direction of a pixel's rough surface with this number.
   void add(size_t chunk, uint32_t pixel, uint32_t surface, uint32_t surface_id, const SurfacePoint& point,
            glm::vec3 radiance, const RoughReflection& rough);
   void wait(size_t chunk, const Pixel& pixel) { waiting_[chunk].push_back(pixel); }
-  // Filters, and stores the pixels that wait.
+  // Filters, and stores the waiting pixels.
   void finish(Executor& executor, CompositeImage& image);
 
  private:
   LayerFilter filter_;
-  LayerCache shown_;  // has radiance alone
-  std::vector<std::vector<Pixel>> waiting_;  // of each chunk
+  LayerCache shown_;  // only its radiance is used
+  std::vector<std::vector<Pixel>> waiting_;  // by chunk
 };
 
 class FilteredSink final : public LayerSink {
  public:
   struct Pixel {
-    static constexpr uint32_t most_told = 8;  // surfaces whose weights are kept in case they are rough
+    static constexpr uint32_t most_told = 8;  // surfaces whose weights are stored in case they are rough
     glm::vec3 radiance, transmittance;
     std::array<glm::vec3, most_told> weights;
     uint32_t rough;                                       // rough surfaces that wait for the filter
     std::array<uint32_t, FilteredSurfaces::most> layers;  // their numbers along the ray
   };
-  // All outlive the sink. `bends` as in FrameContext.
+  // The arguments must outlive the sink. `bends` is as in FrameContext.
   FilteredSink(const model::Snapshot& snapshot, std::span<const uint8_t> bends, size_t chunk, FilteredSurfaces& surfaces,
                std::vector<Pixel>& scratch, CompositeImage& image)
       : snapshot_(snapshot), bends_(bends), chunk_(chunk), surfaces_(surfaces), pixels_(scratch), image_(image) {}

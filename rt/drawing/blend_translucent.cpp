@@ -13,12 +13,12 @@
 namespace sideray::rt {
 namespace {
 
-// Maps of tints are for opaque receivers: fragments have none.
+// Maps of tints are for opaque receivers; fragments have no such map.
 constexpr bool tints = false;
-// A pixel with less transmittance than this is opaque.
+// A pixel with less transmittance counts as opaque.
 constexpr float least_let_through = 1e-4f;
 
-// What is accumulated in front of a pixel's opaque surface.
+// Holds the light in front of a pixel's opaque surface, and its transmittance.
 struct Veil {
   glm::vec3 radiance{0.0f}, through{1.0f};
   float see_through = 1.0f;  // product of the surfaces' mean transmittance, from which alpha follows
@@ -58,14 +58,14 @@ class BlendSink final : public LayerSink {
     for (size_t i = 0; i < pixels.size(); ++i) {
       glm::vec4& color = picture_[size_t{pixels[i].y} * width_ + pixels[i].x];
       const Veil& veil = veils_[i];
-      // Rounding may make the subtracted refracted picture larger than the picture.
+      // Rounding may make the subtracted refracted light larger than the picture.
       color = {glm::max(veil.radiance + glm::vec3(color) * veil.through, glm::vec3(0.0f)),
                1.0f - veil.see_through + color.w * veil.see_through};
     }
   }
 
  private:
-  const SeenAside* aside_;  // null: everything is seen straight through
+  const SeenAside* aside_;  // null: no surface is refracted
   uint32_t width_;
   std::vector<Veil>& veils_;  // of the chunk's pixels
   std::vector<glm::vec4>& picture_;
@@ -79,7 +79,7 @@ struct BlendWorker {
   Counters counters;
 };
 
-// All surfaces before the opaque ones.
+// Requests all surfaces in front of opaque ones.
 LayerRequest all_surfaces(const BlendRequest& r, bool sprites) {
   LayerRequest request;
   request.view = r.view;

@@ -1,6 +1,7 @@
-// Blends translucent surfaces and sprites over a lit picture, shaded as gl/passes/translucency_pass.cpp draws their fragments:
-// with the prefiltered environment and no reflection ray, and with a ray to each light in place of its shadow map. The order is
-// that along each pixel's ray. Pixels: row 0 is the bottom row. One call at a time.
+// Blends translucent surfaces and sprites over a lit picture, shaded as gl/passes/translucency_pass.cpp draws their
+// fragments: with the prefiltered environment, without reflection rays, and with a ray to each light instead of its
+// shadow map. They are blended in the order along each pixel's ray. Row 0 of pixels is the bottom row. One call at a
+// time.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +17,12 @@ namespace sideray::rt {
 struct BlendRequest {
   TraceView view;
   const OpaquePixels* pixels = nullptr;
-  std::span<const uint8_t> places;  // as rt/drawing/translucent_places.h has them
-  bool aside = true;    // surfaces that bend or blur light show the picture aside (rt/drawing/seen_aside.h)
-  bool shadows = true;  // rays say what hides lights
+  std::span<const uint8_t> places;  // from rt/drawing/translucent_places.h
+  bool aside = true;    // surfaces that bend or blur light show the refracted picture (rt/drawing/seen_aside.h)
+  bool shadows = true;  // rays shadow the lights
 };
 
-// Returns the rays that were traced.
+// Returns the counts of traced rays.
 Counters blend_translucent(const BlendRequest& request, TracedScene& scene, std::vector<glm::vec4>& picture);
 
 }  // namespace sideray::rt

@@ -14,7 +14,7 @@ glm::vec4 texel_of_halfs(const std::vector<uint16_t>& halfs, size_t texel) {
 
 }  // namespace
 
-// The alpha of the radiance leaves out what refracted rays see of the surroundings.
+// The radiance's alpha excludes surroundings seen by refracted rays.
 void composite_over(const CompositeImage& image, Executor& executor, std::vector<glm::vec4>& picture) {
   for_tile_rows(image.width, image.height, image.traced_tiles, executor, [&](size_t first, uint32_t count) {
     for (size_t texel = first; texel < first + count; ++texel) {

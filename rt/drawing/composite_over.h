@@ -1,5 +1,5 @@
-// Puts what rays composited over a picture, as shaders/translucent/raster_composite.frag.glsl does. Pixels: row 0 is the
-// bottom row.
+// Composites ray-traced translucent surfaces over a picture, as shaders/translucent/raster_composite.frag.glsl does.
+// Row 0 of pixels is the bottom row.
 #pragma once
 
 #include <glm/glm.hpp>

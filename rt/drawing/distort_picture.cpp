@@ -9,7 +9,7 @@
 namespace sideray::rt {
 namespace {
 
-// All surfaces of the pixels that show any.
+// Requests all surfaces of the pixels that show any.
 LayerRequest offset_request(const OpaqueRequest& r, const OpaquePixels& pixels) {
   LayerRequest request;
   request.view = r.view;

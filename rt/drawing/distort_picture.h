@@ -1,5 +1,5 @@
-// Distorts a lit picture behind translucent surfaces in screen space, as gl/passes/distortion_pass.cpp does. Pixels: row 0 is
-// the bottom row.
+// Distorts a lit picture behind translucent surfaces in screen space, as gl/passes/distortion_pass.cpp does. Row 0 of
+// pixels is the bottom row.
 #pragma once
 
 #include <glm/glm.hpp>

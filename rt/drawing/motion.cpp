@@ -10,12 +10,12 @@
 namespace sideray::rt {
 namespace {
 
-constexpr double least_w = 1e-6;  // what was nearer to the eye's plane, or behind it, comes from far outside
+constexpr double least_w = 1e-6;  // a smaller w, or a negative one, would project far outside
 
-// An instance in the previous frame.
+// Describes an instance in the previous frame.
 struct Before {
-  const model::Instance* then = nullptr;  // null: it stood where it stands
-  const model::Mesh* shape = nullptr;     // null: its vertices were where they are
+  const model::Instance* then = nullptr;  // null: it has not moved
+  const model::Mesh* shape = nullptr;     // null: its vertices have not moved
 };
 
 class MotionPass {
@@ -69,7 +69,7 @@ class MotionPass {
     return since(pixel, (before.then ? request_.clip_from_local_before : before_from_local_) * glm::dvec4(place, 1.0));
   }
 
-  // Returns where the point of a mesh that a ray hit was in the mesh.
+  // Returns where the point that a ray hit was in the mesh in the previous frame.
   glm::vec3 object_place(const model::Instance& instance, const Before& before, const Hit& hit) const {
     const model::Mesh& mesh = before.shape ? *before.shape : *now_.meshes[instance.mesh];
     const glm::uvec3 t = mesh.triangles[hit.primitive];
@@ -95,9 +95,9 @@ class MotionPass {
   std::vector<glm::vec2>& motion_;
   glm::dvec2 half_size_;
   glm::dvec3 origin_moved_;
-  glm::dmat4 before_from_local_;  // from the frame's own local space
+  glm::dmat4 before_from_local_;  // from this frame's local space
   bool view_stands_ = false;
-  std::vector<Before> before_;  // of each instance
+  std::vector<Before> before_;  // by instance
 };
 
 }  // namespace

@@ -13,8 +13,8 @@ void OpaqueLevels::fill(uint32_t width, uint32_t height, const std::vector<glm::
   coarsest_ = elementary::log2(static_cast<float>(height));
 }
 
-// OpenGL leaves open how sides of odd length are halved. Drivers in software read the finer level, between its texels, at the
-// middle of each new one: where both sides are even that is the mean of four.
+// OpenGL does not define how sides of odd length are halved. Software drivers sample the finer level bilinearly at the
+// centre of each new texel, which for even sides is the mean of four.
 OpaqueLevels::Level OpaqueLevels::half_of(const Level& fine, Executor& executor) {
   Level half{std::max(fine.width / 2, 1u), std::max(fine.height / 2, 1u), {}};
   half.texels.resize(size_t{half.width} * half.height);
@@ -29,7 +29,7 @@ OpaqueLevels::Level OpaqueLevels::half_of(const Level& fine, Executor& executor)
 glm::vec3 OpaqueLevels::sample(const Level& level, glm::vec2 place) {
   const glm::ivec2 last(static_cast<int>(level.width) - 1, static_cast<int>(level.height) - 1);
   const glm::vec2 texel = place * glm::vec2(last + 1) - 0.5f;
-  // Where it is no number it is a corner's; outside, the border's.
+  // A NaN reads a corner; positions outside read the border.
   const glm::vec2 at(texel.x > 0.0f ? std::min(texel.x, static_cast<float>(last.x)) : 0.0f,
                      texel.y > 0.0f ? std::min(texel.y, static_cast<float>(last.y)) : 0.0f);
   const glm::ivec2 low(at), high = glm::min(low + 1, last);

@@ -17,13 +17,13 @@ namespace sideray::rt {
 namespace {
 
 constexpr uint32_t first_combined_light = 32;
-constexpr size_t enough_rays = 1024;  // for packets of several lights at a time, as in HitShader
+constexpr size_t enough_rays = 1024;  // for full packets across lights, as in HitShader
 
 struct LightWorker {
   ViewTile tile;
   std::vector<HitPlace> places;
   std::vector<uint32_t> texels;  // of `places`
-  std::vector<Hit> thin;         // those of `places` that are, as their records name them
+  std::vector<Hit> thin;         // thin hits of `places`, renamed to their records
   std::vector<glm::vec3> radiance;
   std::vector<SkyShares> sky;
   SurfaceBatch batch;
@@ -31,13 +31,13 @@ struct LightWorker {
   Counters counters;
 };
 
-// What masks say of one light: which share of it arrives.
+// Refers to the masks of one light: its visible share, and its tint.
 struct LightMask {
-  std::span<const uint8_t> lit;      // empty: the light has none
-  std::span<const uint8_t> tint[3];  // empty: all colours are left
+  std::span<const uint8_t> lit;      // empty: the light has no mask
+  std::span<const uint8_t> tint[3];  // empty: no tint
 };
 
-// Values of masks are texels of eight bits.
+// Masks have eight bits.
 float mask_share(uint8_t value) {
   return static_cast<float>(value) / 255.0f;
 }
@@ -147,14 +147,15 @@ class LightPass {
       const uint16_t* halfs = &request_.mirrored->radiance[size_t{4} * w.texels[i]];
       AroundBlock& a = around[i / block_size];
       const size_t lane = i % block_size;
-      // Rays toward mirror directions support round lobes only.
+      // Reflection rays sample only isotropic lobes.
       if (halfs[3] == 0 || (a.brushed >> lane & 1u) != 0) continue;
       const glm::vec3 seen(imath_half_to_float(halfs[0]), imath_half_to_float(halfs[1]), imath_half_to_float(halfs[2]));
       set_vector(a.specular, lane, glm::mix(vector_at(a.specular, lane), seen, imath_half_to_float(halfs[3])));
     }
   }
 
-  // Adds what other surfaces throw to what is left of the sky, which then counts without what hides it.
+  // Adds light from other surfaces to the visible share of the sky's light, to which hide_sky() then adds none by way
+  // of occluders.
   void add_bounced(LightWorker& w) const {
     const std::span<AroundBlock> around = w.batch.around();
     for (size_t i = 0; i < w.texels.size(); ++i) {
@@ -166,8 +167,8 @@ class LightPass {
     }
   }
 
-  // Lets rough lobes, coats and what lets light through from behind see the same light as what is matt: the open share of the
-  // sky, and of the rest what arrives on average.
+  // Gives rough lobes, coats and diffuse transmission the same light as diffuse reflection: the open share of the sky,
+  // and for the rest the average arriving light.
   void put_under_cover(LightWorker& w) const {
     const std::span<AroundBlock> around = w.batch.around();
     for (size_t i = 0; i < w.texels.size(); ++i) {
@@ -241,7 +242,7 @@ class LightPass {
   const ShadingScene& scene_;
   const Intersector& intersector_;
   ViewRays view_;
-  std::vector<LightMask> masks_;  // of each light of the scene
+  std::vector<LightMask> masks_;  // by light of the scene
   std::vector<glm::vec4>& picture_;
 };
 

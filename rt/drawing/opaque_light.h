@@ -1,6 +1,6 @@
-// Lights the opaque surfaces that a view's pixels show: by the masks and reflections that were traced for them, else by shadow
-// rays and the prefiltered environment, as shaders/light/raster_light.frag.glsl does. What shows no surface shows the sky.
-// Pixels: row 0 is the bottom row. One call at a time.
+// Lights the opaque surfaces of a view's pixels: by the masks and reflections traced for them, else by shadow rays and
+// the prefiltered environment, as shaders/light/raster_light.frag.glsl does. Other pixels show the sky. Row 0 of pixels
+// is the bottom row. One call at a time.
 #pragma once
 
 #include <cstdint>
@@ -19,14 +19,15 @@ struct OpaqueLightRequest {
   TraceView view;
   const OpaquePixels* pixels = nullptr;
   const OcclusionMasks* masks = nullptr;  // null: none were traced
-  uint32_t shadow_lights = 0;             // of the masks, as sideray_mask_inputs has them, like the next three
+  uint32_t shadow_lights = 0;             // lights that have masks; this and the next three are as in
+                                          // sideray_mask_inputs
   bool combined_lights = false, sky = false, unhidden_sky = false;
-  const IrradianceImage* bounced = nullptr;   // null: no surface lights another one
-  const ReflectionImage* mirrored = nullptr;  // null: everything mirrors the prefiltered environment
-  bool shadows = true;                        // rays say what hides lights that have no mask
+  const IrradianceImage* bounced = nullptr;   // null: surfaces do not light each other
+  const ReflectionImage* mirrored = nullptr;  // null: all surfaces reflect the prefiltered environment
+  bool shadows = true;                        // rays shadow the lights that have no mask
 };
 
-// Refills `picture`: radiance, and 1 where a surface is seen, else 0.
+// Refills `picture` with radiance; alpha is 1 where there is a surface, else 0.
 Counters light_opaque_pixels(const OpaqueLightRequest& request, TracedScene& scene, std::vector<glm::vec4>& picture);
 
 }  // namespace sideray::rt

@@ -16,12 +16,12 @@ struct SurfaceWorker {
   std::vector<uint32_t> counts;
   std::vector<HitPlace> places;
   std::vector<size_t> texels;  // of `places`
-  std::vector<Hit> named;      // hits of `places` that are thin, as their records name them
+  std::vector<Hit> named;      // thin hits of `places`, renamed to their records
   std::vector<SurfacePoint> points;
   Counters counters;
 };
 
-// One cone serves all rays' look-ups of cut-outs, as in LayerTracer.
+// One cone serves all rays' cut-out look-ups, as in LayerTracer.
 Cone cone_of_middle(const ViewRays& view, const OpaqueRequest& r) {
   return view.cone(r.width / 2, r.height / 2);
 }
@@ -30,7 +30,7 @@ float depth_of(const ViewRays& view, const OpaqueRequest& r, glm::uvec2 pixel, d
   return stored_depth(r.view, view.window_depth(view.pixel(pixel.x, pixel.y), distance));
 }
 
-// Lists the tile's pixels that show a surface; `hits` are of all of them.
+// Lists the tile's pixels that show a surface; `hits` has one entry for each of its pixels.
 void list_places(const ViewTile& tile, const Hit* hits, uint32_t width, const model::Snapshot& snapshot,
                  SurfaceWorker& w) {
   w.places.clear();
@@ -45,7 +45,7 @@ void list_places(const ViewTile& tile, const Hit* hits, uint32_t width, const mo
   }
 }
 
-// Keeps those of lines and points alone.
+// Keeps only the places on lines and points.
 void keep_thin(const OpaquePixels& pixels, SurfaceWorker& w) {
   size_t kept = 0;
   for (size_t i = 0; i < w.places.size(); ++i) {
@@ -93,7 +93,7 @@ class SurfacePass {
     }
   }
 
-  // The pixels' hits are those that lines and points have been drawn over.
+  // The pixels' hits already include lines and points.
   void store_thin_normals(size_t index, SurfaceWorker& w) const {
     w.tile.aim(view_, request_.width, request_.height, index);
     w.hits.clear();

@@ -7,7 +7,7 @@
 namespace sideray::rt {
 namespace {
 
-// What is taken for smooth has this roughness.
+// Surfaces up to this roughness count as smooth.
 constexpr float smooth = 0.04f;
 
 }  // namespace
@@ -24,14 +24,14 @@ SeenAside::SeenAside(const ShadingScene& scene, const TraceView& view, const Opa
   for (const model::Material& material : scene.snapshot->materials) bends_.push_back(model::bends_light(material.desc));
 }
 
-// With an index of 1 a body blurs nothing.
+// A body with index 1 does not blur.
 float SeenAside::level(const shading::SrSurface& surface, const shading::SrMaterial& material) const {
   if (!(surface.roughness > smooth)) return 0.0f;
   const float blurred = material.thickness > 0.0f ? std::clamp(2.0f * material.ior - 2.0f, 0.0f, 1.0f) : 1.0f;
   return levels_.coarsest() * surface.roughness * blurred;
 }
 
-// Returns where the ray is seen to leave the body that it was refracted into, 0..1 in the picture.
+// Returns where the refracted ray leaves the body, 0..1 in the picture.
 glm::vec2 SeenAside::place(const SurfacePoint& point, glm::uvec2 pixel, float thickness, float ior) const {
   glm::vec3 way(0.0f);
   if (thickness > 0.0f) way = glm::refract(-point.to_eye, point.surface.normal, 1.0f / ior) * thickness;
@@ -40,11 +40,11 @@ glm::vec2 SeenAside::place(const SurfacePoint& point, glm::uvec2 pixel, float th
   return glm::vec2(glm::dvec2(clip) / clip.w * 0.5 + 0.5);
 }
 
-// The index of red light is `spread` below the material's, that of blue light above.
+// The index of red light is lower than the material's by `spread`, that of blue light higher.
 glm::vec3 SeenAside::added(const SurfacePoint& point, glm::uvec2 pixel) const {
   const model::Instance& instance = scene_.snapshot->instances[point.hit.instance];
   if (instance.sprites != 0 || bends_[instance.material] == 0) return glm::vec3(0.0f);
-  // A solid refracts once, where it is entered.
+  // A solid refracts only where light enters it.
   if (instance.solid && !point.hit.front) return glm::vec3(0.0f);
   const shading::SrMaterial& material = scene_.materials[instance.material];
   const float thickness = material.thickness > 0.0f ? material.thickness * thickness_texel(scene_, point) : 0.0f;

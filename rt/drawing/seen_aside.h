@@ -1,6 +1,6 @@
-// Screen-space refraction: looks the opaque picture up where a refracted ray leaves a body of the material's thickness,
-// in a mip level as coarse as the surface is rough, as shaders/translucent/raster_aside.glsl does. Any thread may read
-// it.
+// Refracts in screen space: samples the opaque picture where a refracted ray leaves a body of the material's thickness,
+// in a mip level that matches the surface's roughness, as shaders/translucent/raster_aside.glsl does. Any thread may
+// read it.
 #pragma once
 
 #include <cstdint>
@@ -15,14 +15,14 @@ namespace sideray::rt {
 
 class SeenAside {
  public:
-  // The caller keeps the scene, the view and the levels.
+  // The caller keeps scene, view and levels alive.
   SeenAside(const ShadingScene& scene, const TraceView& view, const OpaqueLevels& levels);
 
-  // Returns whether any surface of the scene is seen through so.
+  // Returns whether any surface of the scene needs it.
   static bool is_needed(const model::Snapshot& snapshot);
 
-  // Returns what a surface adds to its pixel: what is seen aside less what is seen straight through, which stays in its place
-  // with all that is blended before it.
+  // Returns what a surface adds to its pixel: the refracted picture minus the one straight behind. The latter stays in
+  // the pixel, with everything that was blended before.
   glm::vec3 added(const SurfacePoint& point, glm::uvec2 pixel) const;
 
  private:
@@ -32,7 +32,7 @@ class SeenAside {
   const ShadingScene& scene_;
   const TraceView& view_;
   const OpaqueLevels& levels_;
-  std::vector<uint8_t> bends_;  // of each material
+  std::vector<uint8_t> bends_;  // by material
 };
 
 }  // namespace sideray::rt

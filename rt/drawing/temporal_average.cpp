@@ -9,7 +9,7 @@
 namespace sideray::rt {
 namespace {
 
-// Those of the shader, where they are explained.
+// The shader's constants, explained there.
 constexpr float infinitely_far = 1e30f, least_weight = 0.1f, deviations = 1.25f, same_distance = 0.9f;
 constexpr float weight_of_brightness = 16.0f, as_many_as_can_be = 16.0f;
 
@@ -34,7 +34,7 @@ struct Neighbourhood {
   float least_alpha, largest_alpha;
 };
 
-// Moves it toward the mean until it is inside.
+// Moves the colour toward the mean until it is inside the neighbourhood.
 glm::vec3 clipped(glm::vec3 c, const Neighbourhood& n) {
   const glm::vec3 off = c - n.mean;
   const glm::vec3 units = glm::abs(off) / glm::max(deviations * n.deviation, glm::vec3(1e-6f + 1e-4f * std::abs(n.mean.x)));
@@ -90,7 +90,7 @@ class TemporalAverage::Pass {
     return {bounded(c.x, largest_half), bounded(c.y, largest_half), bounded(c.z, largest_half), bounded(c.w, 1.0f)};
   }
 
-  // How near the surface is, larger the nearer, 0 for none.
+  // Returns the surface's nearness: larger is nearer, 0 is none.
   float nearness_at(glm::ivec2 pixel) const {
     const float depth = pixels_.depths[index(inside(pixel))];
     return request_.view.reversed_depth ? depth : 1.0f - depth;
@@ -106,7 +106,7 @@ class TemporalAverage::Pass {
     return part > 0.0 ? static_cast<float>(std::min(glm::dot(axis, clip) / part, double{infinitely_far})) : infinitely_far;
   }
 
-  // The nearest of the pixel and its diagonal neighbours.
+  // Returns the nearest of the pixel and its diagonal neighbours.
   glm::ivec2 nearest_pixel(glm::ivec2 pixel) const {
     glm::ivec2 nearest = pixel;
     for (const glm::ivec2 step : diagonals)
@@ -114,7 +114,7 @@ class TemporalAverage::Pass {
     return inside(nearest);
   }
 
-  // A disocclusion: everything that the history shows around the texel is clearly nearer than the pixel's surface.
+  // Detects a disocclusion: everything in the history around the texel is clearly nearer than the pixel's surface.
   bool was_hidden(glm::vec2 texel, float distance) const {
     const glm::ivec2 at(texel);
     float deepest = past_->state[index(inside(at))].x;
@@ -122,7 +122,7 @@ class TemporalAverage::Pass {
     return deepest < same_distance * distance;
   }
 
-  // Samples the history between the centres of its texels.
+  // Samples the history bilinearly.
   glm::vec4 past_at(glm::vec2 texel) const {
     const glm::vec2 place = texel - 0.5f, corner = glm::floor(place), share = place - corner;
     const glm::ivec2 p(corner);
@@ -135,7 +135,7 @@ class TemporalAverage::Pass {
     const glm::vec2 w0 = f * (-0.5f + f * (1.0f - 0.5f * f)), w1 = 1.0f + f * f * (-2.5f + 1.5f * f);
     const glm::vec2 w2 = f * (0.5f + f * (2.0f - 1.5f * f)), w3 = f * f * (-0.5f + 0.5f * f);
     const glm::vec2 w12 = w1 + w2, at0 = middle - 1.0f, at3 = middle + 2.0f, at12 = middle + w2 / w12;
-    // The four corners weigh little and are left out.
+    // The four corners have little weight and are left out.
     const glm::vec4 sum = past_at({at12.x, at0.y}) * (w12.x * w0.y) + past_at({at0.x, at12.y}) * (w0.x * w12.y) +
                           past_at(at12) * (w12.x * w12.y) + past_at({at3.x, at12.y}) * (w3.x * w12.y) +
                           past_at({at12.x, at3.y}) * (w12.x * w3.y);
@@ -192,6 +192,7 @@ void TemporalAverage::keep() {
 void TemporalAverage::replace(const std::vector<glm::vec4>& picture) {
   past_.picture = picture;
   for (glm::vec4& c : past_.picture) c = glm::min(c, glm::vec4(largest_half));  // no infinities: they would stay
+                                                                                // forever
   least_pictures_ = as_many_as_can_be;
 }
 

@@ -11,14 +11,15 @@
 namespace sideray::rt {
 namespace {
 
-constexpr double steps_in_pixel = 256.0;  // to which drivers round places in the window
+constexpr double steps_in_pixel = 256.0;  // drivers round window positions to these steps
 
 struct WindowVertex {
   glm::dvec2 place;  // in pixels
   double depth, w;
 };
 
-// Lets the part of a line from `first` to `last`, of its length, that has distances of at least 0 from a plane.
+// Is the part of a line from `first` to `last`, as shares of its length. clip() keeps what has distances >= 0 from a
+// plane.
 struct Part {
   double first = 0.0, last = 1.0;
   void clip(double at_start, double at_end) {
@@ -87,7 +88,7 @@ class ThinPass {
             request_.view.zero_to_one_depth ? ndc.z : 0.5 * ndc.z + 0.5, clip.w};
   }
 
-  // The distances of a place in clip space from the planes of depth; negative outside.
+  // Return the distance of a clip-space position from a depth plane; negative outside.
   double before_near(const glm::dvec4& p) const { return request_.view.zero_to_one_depth ? p.z : p.z + p.w; }
   static double before_far(const glm::dvec4& p) { return p.w - p.z; }
 
@@ -103,7 +104,7 @@ class ThinPass {
     part.clip(from.w - least_w, to.w - least_w);
     part.clip(before_near(from), before_near(to));
     part.clip(before_far(from), before_far(to));
-    // Beside the picture they may reach as far again as it is wide: ends within it stay where they are.
+    // Ends may lie outside the picture by half its size on each side; only farther ones are clipped, which moves them.
     for (int axis = 0; axis < 2; ++axis) {
       part.clip(2.0 * from.w + from[axis], 2.0 * to.w + to[axis]);
       part.clip(2.0 * from.w - from[axis], 2.0 * to.w - to[axis]);
@@ -115,8 +116,8 @@ class ThinPass {
     rasterize(a, b, part, way.x >= way.y ? 0 : 1);
   }
 
-  // One pixel of each column (of each row where the line is steeper) whose diamond the line leaves. A line that leans
-  // by less than half a right angle is nearest to a pixel's centre, as diamonds measure it, right above or below.
+  // Draws one pixel in each column (each row for a steep line) whose diamond the line leaves. A line that leans by less
+  // than 45 degrees is nearest to a pixel's centre, in the diamond metric, directly above or below it.
   void rasterize(const WindowVertex& a, const WindowVertex& b, const Part& part, int major) {
     const int minor = 1 - major;
     const double from = a.place[major], to = b.place[major];
@@ -148,7 +149,7 @@ class ThinPass {
     draw_fragment(pixel, glm::mix(a.depth, b.depth, share), glm::mix(part.first, part.last, along));
   }
 
-  // `along`: of a line, the share of its second vertex.
+  // `along`: for a line, the weight of its second vertex.
   void draw_fragment(glm::dvec2 place, double depth, double along) {
     if (!(place.x >= 0.0 && place.y >= 0.0 && place.x < size_.x && place.y < size_.y)) return;
     const glm::uvec2 p(place);
@@ -171,9 +172,9 @@ class ThinPass {
   ViewRays view_;
   glm::dvec2 size_;
   OpaquePixels& pixels_;
-  Hit hit_{};  // with the instance that is drawn
+  Hit hit_{};  // with the instance being drawn
   uint32_t primitive_ = 0;
-  std::optional<TraceInstance> cut_out_;  // the same where some of its pixels may be absent
+  std::optional<TraceInstance> cut_out_;  // set if the instance may have holes
 };
 
 }  // namespace

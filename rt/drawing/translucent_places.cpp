@@ -7,7 +7,7 @@
 namespace sideray::rt {
 namespace {
 
-// In normalized device coordinates.
+// Is a rectangle in normalized device coordinates.
 struct Rectangle {
   glm::dvec2 low{INFINITY}, high{-INFINITY};
 
@@ -18,15 +18,15 @@ struct Rectangle {
   }
 };
 
-// Above 0 for points of clip space on the far side of the near plane, taken a little nearer than it is: a ray begins there
-// in single precision.
+// Is above 0 for clip-space points beyond the near plane. The plane is moved slightly toward the eye, because rays
+// begin there in single precision.
 double past_near(const glm::dvec4& clip, const TraceView& view) {
   constexpr double nearer = 1e-5;
   if (view.reversed_depth) return (1.0 + nearer) * clip.w - clip.z;
   return clip.z + (view.zero_to_one_depth ? nearer : 1.0 + nearer) * clip.w;
 }
 
-// Surrounds the part of the bounds that the near plane leaves.
+// Returns the bounding rectangle of the part of the bounds beyond the near plane.
 Rectangle outline(const model::Bounds& bounds, const TraceView& view) {
   std::array<glm::dvec4, 8> corners;
   std::array<double, 8> past;
@@ -47,7 +47,8 @@ Rectangle outline(const model::Bounds& bounds, const TraceView& view) {
   return r;
 }
 
-// The pixel in which a coordinate lies, and one more: rounding may put an edge into the pixel beside it.
+// Return the range of pixels between two coordinates, one wider on each side, because rounding may move an edge into
+// the next pixel.
 uint32_t first_pixel(double ndc, uint32_t size) {
   return static_cast<uint32_t>(std::clamp(std::floor((0.5 * ndc + 0.5) * size) - 1.0, 0.0, static_cast<double>(size)));
 }

@@ -1,5 +1,5 @@
-// Lists the pixels of a tile in blocks of 4x4, whose rays are neighbours in a packet, and their rays. Holds scratch memory:
-// one object per thread.
+// Lists the pixels of a tile in blocks of 4x4, whose rays are neighbours in a packet, and their rays. It has scratch
+// memory: one object per thread.
 #pragma once
 
 #include <algorithm>
@@ -12,15 +12,15 @@
 namespace sideray::rt {
 
 struct ViewTile {
-  static constexpr uint32_t size = 32;  // pixels along each side of a tile
+  static constexpr uint32_t size = 32;  // side in pixels
   static uint32_t tiles_in(uint32_t pixels) { return (pixels + size - 1) / size; }
   static size_t tiles_in(uint32_t width, uint32_t height) { return size_t{tiles_in(width)} * tiles_in(height); }
 
   std::vector<glm::uvec2> pixels;
-  std::vector<Ray> rays;  // of each pixel, to the far plane
+  std::vector<Ray> rays;  // one a pixel, up to the far plane
   std::vector<Cone> cones;
 
-  // Refills all three with the pixels of a tile, row by row, that lie in the picture.
+  // Refills all three with the pixels of a tile inside the picture; tiles are numbered row by row.
   void aim(const ViewRays& view, uint32_t width, uint32_t height, size_t tile) {
     list(width, height, tile);
     aim(view);

@@ -1,4 +1,4 @@
-// Decides by its alpha whether a surface is absent where a ray hits it. Any thread may call it.
+// Tests the alpha of a surface where a ray hits it. Any thread may call it.
 #pragma once
 
 #include "model/snapshot.h"
@@ -7,8 +7,8 @@
 
 namespace sideray::rt {
 
-// Returns whether a hit has too little alpha to be there: below the cut-off (MASK) or 1/255 (BLEND), textured at the
-// level that the footprint of `cone` requires, as the rasterizer's texture unit would do it.
+// Returns whether the hit's alpha is below the cut-off (MASK) or 1/255 (BLEND), so that the ray passes. The texture is
+// sampled at the mip level of the footprint of `cone`, as the rasterizer's texture unit does.
 bool alpha_discards(const model::Snapshot& snapshot, const TraceInstance& instance, const Ray& ray, const Hit& hit,
                     Cone cone);
 

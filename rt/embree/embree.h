@@ -1,5 +1,5 @@
-// Includes Embree, whichever version there is (3.13 or 4), and evens out what differs between them for packets of 16,
-// 8, 4 and 1 rays; no other header depends on the version. Any thread may use it.
+// Includes Embree 3.13 or 4 and hides the differences between them, for packets of 16, 8, 4 and 1 rays. No other header
+// depends on the version. Any thread may use it.
 #pragma once
 
 #if __has_include(<embree4/rtcore.h>) && !__has_include(<embree3/rtcore.h>)
@@ -77,8 +77,8 @@ State& state_of(const RTCFilterFunctionNArguments& arguments) {
   return static_cast<State&>(*static_cast<Query*>(arguments.context));
 }
 
-// Packet<N> names the aligned structs and calls of width N. `valid` is -1 or 0 a lane; a width that is not native to
-// the machine ignores it, so inactive lanes must hold harmless rays as well.
+// Packet<N> names the aligned structs and calls of width N. `valid` holds -1 or 0 for each lane. A width that the
+// machine does not have natively ignores it, so inactive lanes must hold harmless rays too.
 template <unsigned N>
 struct Packet;
 

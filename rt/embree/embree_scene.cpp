@@ -22,7 +22,7 @@ struct InstructionSet {
   bool (*supported)();
 };
 
-// The best instruction set comes first.
+// In order of preference, the best first.
 constexpr std::array<InstructionSet, 5> instruction_sets{{
     {"avx512",
      [] {
@@ -86,8 +86,8 @@ const char* text_of(RTCError error) {
   }
 }
 
-// Embree reads 16 bytes at the last vertex: the mesh's own memory is shared where it reaches that far, and copied
-// elsewhere.
+// Embree reads 16 bytes at the last vertex, 4 more than it has. The mesh's memory is shared if it reaches that far, and
+// copied otherwise.
 void set_vertices(RTCGeometry geometry, const model::Mesh& mesh) {
   constexpr size_t stride = sizeof(glm::vec3);
   static_assert(stride == 12);
@@ -101,7 +101,7 @@ void set_vertices(RTCGeometry geometry, const model::Mesh& mesh) {
   if (copy) std::copy(mesh.positions.begin(), mesh.positions.end(), static_cast<glm::vec3*>(copy));
 }
 
-// `topology` holds the same triangles, and outlives the mesh where the mesh `moves`.
+// `topology` has the same triangles as `mesh`; if the mesh `moves`, it must outlive the scene.
 SceneHandle scene_of(RTCDevice device, const model::Mesh& mesh, const model::Mesh& topology, bool moves) {
   const GeometryHandle geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
   SceneHandle scene(rtcNewScene(device));
@@ -115,8 +115,8 @@ SceneHandle scene_of(RTCDevice device, const model::Mesh& mesh, const model::Mes
   rtcCommitGeometry(geometry.get());
   rtcAttachGeometryByID(scene.get(), geometry.get(), 0);
   const int flags = RTC_SCENE_FLAG_ROBUST | embree::filter_flag | (moves ? RTC_SCENE_FLAG_DYNAMIC : 0);
-  // Only a geometry with a tree of its own can be refit, and geometries get one at the lowest quality of the scene
-  // alone. The geometry's own tree is built with the surface area heuristic all the same.
+  // Only a geometry with its own tree can be refit, and Embree gives it one only at the scene's lowest build quality.
+  // The geometry's own tree is still built with the surface area heuristic.
   if (moves) rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_LOW);
   rtcSetSceneFlags(scene.get(), static_cast<RTCSceneFlags>(flags));
   rtcCommitScene(scene.get());
@@ -212,7 +212,7 @@ void run(Executor* executor, size_t count, const std::function<void(size_t)>& wo
     for (size_t i = 0; i < count; ++i) work(i);
 }
 
-// Builds or moves the scenes of poses. Each is one piece of work, with the same result whichever thread does it.
+// Builds or refits the scenes of poses. Each is one piece of work, whose result does not depend on the thread.
 void take_poses(RTCDevice device, const SceneUpdate& update, const MeshScenes& before, MeshScenes& meshes) {
   if (update.posed.empty()) return;
   std::unordered_map<uint64_t, std::shared_ptr<MeshScene>> known;
@@ -232,8 +232,8 @@ void take_poses(RTCDevice device, const SceneUpdate& update, const MeshScenes& b
   for (size_t i = 0; i < scenes.size(); ++i) meshes[update.posed[i].mesh.get()] = scenes[i];
 }
 
-// Returns the scene of a mesh with changed vertices. The first time the scene is built so that it can be refit; after
-// that it is refit, or rebuilt where its quality has become too low.
+// Returns the scene of a mesh with changed vertices. The first time, the scene is rebuilt so that it can be refit;
+// afterwards it is refit, or rebuilt if its quality has become too low.
 std::shared_ptr<MeshScene> with_vertices(RTCDevice device, const std::shared_ptr<MeshScene>& before,
                                          const std::shared_ptr<const model::Mesh>& mesh) {
   if (!before->neutral) {
@@ -247,8 +247,8 @@ std::shared_ptr<MeshScene> with_vertices(RTCDevice device, const std::shared_ptr
   return before;
 }
 
-// Returns the previous scenes of meshes that are not in this snapshot any more, by mesh name: a new mesh of the same
-// name and triangles may reuse one of them.
+// Returns the scenes of meshes that are no longer in the snapshot, by mesh name. A new mesh of the same name and
+// triangles may reuse one.
 std::unordered_map<uint32_t, std::shared_ptr<MeshScene>> left_behind(const model::Snapshot& snapshot,
                                                                      const MeshScenes& before) {
   std::unordered_set<const model::Mesh*> present;

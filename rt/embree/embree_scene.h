@@ -39,27 +39,27 @@ std::string embree_version(RTCDevice device);
 // Turns Embree's pending error, if any, into a Failure.
 void check_device(RTCDevice device, const char* doing);
 
-// Holds the triangles of one mesh in object space; `scene` is null where the mesh has none. Embree reads the mesh's own
-// vertices.
+// Holds the triangles of one mesh in object space; `scene` is null if the mesh has none. Embree reads the vertices from
+// the mesh itself.
 struct MeshScene {
   std::shared_ptr<const model::Mesh> mesh;
   SceneHandle scene;
-  std::shared_ptr<const model::Mesh> neutral;  // where the mesh moves: Embree reads its triangles
-  uint64_t pose = 0;                           // as in PosedMesh; 0 = it is no pose
+  std::shared_ptr<const model::Mesh> neutral;  // the mesh whose triangles Embree reads, if vertices change
+  uint64_t pose = 0;                           // as in PosedMesh; 0 = not a pose
   uint32_t version = 0;                        // grows when the mesh's vertices move
-  uint32_t name = 0;                           // the mesh's name, where it is no pose
-  PoseQuality quality;                         // where it is no pose and has `neutral`
+  uint32_t name = 0;                           // the mesh's name; unset for poses
+  PoseQuality quality;                         // of the tree; used where `neutral` is set and this is not a pose
 };
 std::shared_ptr<MeshScene> build_mesh_scene(RTCDevice device, std::shared_ptr<const model::Mesh> mesh);
 std::shared_ptr<MeshScene> build_mesh_scene(RTCDevice device, const PosedMesh& posed);
 // Refits or rebuilds a scene. Different scenes may be moved at the same time.
 void move_mesh_scene(RTCDevice device, MeshScene& scene, const PosedMesh& posed);
 
-// Scenes are shared with those of the snapshot before, so that a mesh is built once.
+// Unchanged meshes share their scenes with the previous snapshot, so that each is built once.
 using MeshScenes = std::unordered_map<const model::Mesh*, std::shared_ptr<MeshScene>>;
 
-// Returns a scene for every mesh that the snapshot's instances use. A mesh with the name and the triangles of one of
-// the snapshot before takes over its scene, with other vertices. Poses and such meshes are moved on the update's
+// Returns a scene for every mesh that the snapshot's instances use. A mesh that has the name and triangles of a mesh of
+// the previous snapshot, but other vertices, takes over its scene. Such meshes and poses are refit on the update's
 // executor.
 MeshScenes build_meshes(RTCDevice device, const model::Snapshot& snapshot, const SceneUpdate& update,
                         const MeshScenes& before);

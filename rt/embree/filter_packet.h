@@ -1,5 +1,5 @@
-// Gives filter functions access to Embree's packets, to read hits and to answer. Only intersector.cpp uses it. Each
-// packet belongs to one thread.
+// Gives filter functions access to Embree's packets, to read hits and to accept or reject them. Only intersector.cpp
+// uses it. Each packet belongs to one thread.
 #pragma once
 
 #include <bit>
@@ -26,8 +26,9 @@ inline uint32_t lanes_of(const int* valid, uint32_t width) {
   return bits;
 }
 
-// Wraps the packet that Embree hands to a filter. Filters follow Embree's protocol: valid = 0 rejects a hit and keeps
-// the ray's end; leaving it and writing tfar sets a new end. The packet is as wide as ours, because ours is native.
+// Wraps the packet that Embree passes to a filter. By Embree's protocol valid = 0 rejects a hit and keeps the ray's
+// end; a filter that leaves valid and writes tfar sets a new end. Embree's packet is as wide as ours, because ours is
+// native.
 template <unsigned N>
 struct FilterPacket {
   const RTCFilterFunctionNArguments& a;
@@ -40,7 +41,7 @@ struct FilterPacket {
   uint32_t primitive(uint32_t i) const { return RTCHitN_primID(a.hit, N, i); }
   Candidate candidate(uint32_t i) const { return {t_far(i), instance(i), primitive(i)}; }
 
-  // Decides in object space by Embree's normal, with a margin: near the silhouette the recomputation decides.
+  // Tests Embree's normal in object space, with a margin: near the silhouette the recomputation decides.
   bool surely_back(uint32_t i) const {
     const glm::vec3 n(RTCHitN_Ng_x(a.hit, N, i), RTCHitN_Ng_y(a.hit, N, i), RTCHitN_Ng_z(a.hit, N, i));
     const glm::vec3 d(RTCRayN_dir_x(a.ray, N, i), RTCRayN_dir_y(a.ray, N, i), RTCRayN_dir_z(a.ray, N, i));

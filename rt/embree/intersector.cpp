@@ -24,7 +24,7 @@
 namespace sideray::rt {
 namespace {
 
-// These are the instance masks of the two top-level scenes.
+// The instance masks of the two top-level scenes.
 enum : uint32_t { mask_in_layers = 1, mask_translucent = 2, mask_sprites = 4, mask_tints = 8 };
 enum : uint32_t { mask_reflection = 1, mask_shadow = 2, mask_ao = 4, mask_opaque = 8, mask_walls = 16 };
 
@@ -70,7 +70,8 @@ uint32_t mask_of(OpaqueSet set) {
   }
 }
 
-// What any-hit rays carry through Embree. Columns: the rays are those of `columns` from `first` on, otherwise `rays`.
+// Carries the state of any-hit rays through Embree. The rays are those of `columns` from `first` on, or `rays` if it is
+// null.
 struct OcclusionQuery : embree::Query {
   const TraceTable* table = nullptr;
   const Ray* rays = nullptr;  // those of the packet
@@ -78,14 +79,14 @@ struct OcclusionQuery : embree::Query {
   size_t first = 0;
   bool cut_outs = false;
   const float *begin = nullptr, *end = nullptr;  // RayPacket's
-  uint32_t open = 0;                             // rays, as bits, that have hit something near an edge
+  uint32_t open = 0;                             // bits of the rays that have hit something near an edge
   std::array<double, most_packet_lanes> offset;  // their offset, as edge_offset() returns it
 
   Ray ray(uint32_t i) const { return columns ? (*columns)[first + i] : rays[i]; }
 };
 
-// Accepts hits that Embree's rounding cannot change: those well inside a triangle and between the ray's ends. The
-// others are recomputed; if an edge is too near to decide, the ray goes on.
+// Accepts hits that Embree's rounding cannot change: those well inside a triangle and between the ray's ends. Other
+// hits are recomputed; if one is too near an edge to decide, the ray goes on.
 template <unsigned N>
 void occlusion_filter(const RTCFilterFunctionNArguments* arguments) {
   auto& query = embree::state_of<OcclusionQuery>(*arguments);
@@ -133,7 +134,7 @@ void trace_occlusion(const TraceTable& table, const TopLevel& top, uint32_t mask
     const uint32_t traced = columns ? packet.set(*columns, first, top, true)
                                     : packet.set(rays.subspan(first, count), (1u << count) - 1u, top, true);
     if (traced) packet.occluded(top.scene.get(), query, coherent, occlusion_filter<N>);
-    // Embree says "occluded" by tfar = -inf.
+    // Embree reports an occluded ray by tfar = -inf.
     for (uint32_t i = 0; i < count; ++i) {
       bool met = (traced >> i & 1u) && packet.t_far(i) < 0.0f;
       if (!met && (query.open >> i & 1u)) {
@@ -174,7 +175,7 @@ void with_width(uint32_t width, Function function) {
 }
 
 // rtcOccluded16 with the coherent flag reads uninitialised stack in scenes with instances and may never return (Embree
-// 3.13.5, AVX-512). Eight lanes are sound, and native wherever sixteen are; without the flag so are sixteen.
+// 3.13.5, AVX-512). Packets of 8 work, and are native wherever 16 are; without the flag 16 work too.
 uint32_t occlusion_width(uint32_t native, bool coherent) {
   return coherent ? std::min(native, 8u) : native;
 }
@@ -189,7 +190,7 @@ bool same_alpha(const model::Material& a, const model::Material& b) {
          a.without_texel_alpha == b.without_texel_alpha;
 }
 
-// Returns whether a hit with the instance counts for the same rays: `a` and `b` are of two tables.
+// Returns whether instance `i` has the same holes in both tables, so that the same rays hit it.
 bool has_same_holes(const TraceTable& a, const TraceTable& b, size_t i) {
   const TraceInstance &x = a.instances[i], &y = b.instances[i];
   const sideray_material_desc &m = x.material->desc, &n = y.material->desc;
@@ -204,7 +205,8 @@ bool has_same_holes(const TraceTable& a, const TraceTable& b, size_t i) {
          std::memcmp(&slot, &other, sizeof(slot)) == 0;
 }
 
-// Returns whether the opaque instances that both tables have got other holes. What came or went counts elsewhere.
+// Returns whether the holes changed in any opaque instance that both tables have. Added and removed instances are
+// counted elsewhere.
 bool holes_differ(const TraceTable& a, const TraceTable& b) {
   for (size_t i = 0; i < std::min(a.instances.size(), b.instances.size()); ++i) {
     const bool cut_out = (a.instances[i].discards && !a.instances[i].material->translucent) ||
@@ -226,7 +228,7 @@ struct Intersector::State {
   bool cut_outs = false;
   uint64_t opaque_revision = 0;
 
-  // Drops both scenes: half an update may be in them.
+  // Drops both scenes, which may be half updated.
   void clear() {
     layers = {};
     world = {};

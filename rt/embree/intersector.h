@@ -1,6 +1,6 @@
-// Intersects batches of rays with a snapshot by Embree. Only its .cpp and the headers that only it includes name RTC
-// types. One thread calls set_scene; once that has returned, several threads may trace at the same time. Rays are in
-// the snapshot's local space.
+// Intersects batches of rays with a snapshot, by Embree. RTC types appear only in its .cpp and in headers that only the
+// .cpp includes. One thread calls set_scene; after it has returned, several threads may trace at the same time. Rays
+// are in the snapshot's local space.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,8 @@
 
 namespace sideray::rt {
 
-// Says which translucent instances a multihit traversal hits. with_sprites: all of them, and the quads of sprites;
-// tints_light: those of model::tints_light().
+// Says which translucent instances a multihit traversal hits. with_sprites: all of them and the quads of sprites;
+// tints_light: those with model::tints_light().
 enum class LayerSet { visible_in_layers, all_translucent, with_sprites, tints_light };
 
 // Says which opaque instances a ray hits. walls: of visible_in_reflection, those without holes.
@@ -25,7 +25,7 @@ enum class OpaqueSet { visible_in_reflection, casts_shadow, occludes_sky, walls,
 
 class Intersector {
  public:
-  // `isa` "" = the best. Throws Failure.
+  // Opens a device for the instruction set `isa`; "" = the best. Throws Failure.
   explicit Intersector(const std::string& isa);
   ~Intersector();
   Intersector(const Intersector&) = delete;
@@ -37,38 +37,38 @@ class Intersector {
 
   // Finds the first `layers` translucent surfaces of each ray in the total order (distance, surface id, primitive):
   // hits[i * layers + k], counts[i] of them. Obeys the rasterizer's cull rule (materials that are not double sided show
-  // only their front) and alpha discard (< 1/255, textured at the level that the rays' common `cone` requires). Never
-  // returns one surface twice where a ray hits the edge shared by two of its triangles; returns all coplanar surfaces.
-  // coherent: rays of neighbouring pixels, in 4x4 order. layers <= 64. cull = false: backs too, whatever the material.
+  // only their front) and alpha discard (< 1/255, textured at the level of the rays' common `cone`). Returns all
+  // coplanar surfaces, but a surface only once if a ray hits the edge between two of its triangles. coherent: the rays
+  // belong to neighbouring pixels, in 4x4 order. layers <= 64. cull = false: hits backs of all materials.
   void nearest_layers(LayerSet set, std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
                       uint32_t* counts, Cone cone = {}, bool cull = true) const;
-  // Finds the nearest translucent surface of each ray and those that are at its place, as nearest_layers() finds the
-  // first four: hits[i * most_at_place + k], counts[i] of them. Up to known[i] along the ray there are no others; right
-  // behind them rounding does not decide. Infinite: there are none at all.
+  // Finds the nearest translucent surface of each ray and the others at the same distance, as nearest_layers() finds
+  // its first four: hits[i * most_at_place + k], counts[i] of them. known[i] is a distance up to which the ray hits no
+  // other surface; rounding hides whether one lies just behind it. It is infinite if the ray hits no surface.
   static constexpr uint32_t most_at_place = 4;
   void nearest_places(LayerSet set, std::span<const Ray> rays, bool coherent, Hit* hits, uint32_t* counts,
                       double* known, Cone cone = {}, bool cull = true) const;
-  // Finds all translucent surfaces of each ray, backs too, in the same total order and as nearest_layers() counts them at the
-  // finest level of textures. Of a ray with more than 64, the nearest 64.
+  // Finds all translucent surfaces of each ray, back faces included, in the total order. They count as in
+  // nearest_layers(), with alpha at the finest mip level. At most the nearest 64 of a ray are returned.
   void all_layers(LayerSet set, std::span<const Ray> rays, RaySurfaces& surfaces) const;
-  // Finds the nearest OPAQUE or MASK surface of the set (both sides, cut-outs regarded, at the cone's level) in the
-  // same total order; the instance is no_instance where there is none. cull = true: by the rasterizer's cull rule, as rays
-  // of the eye see (docs/adr/0043-back-faces.md).
+  // Finds the nearest OPAQUE or MASK surface of the set in the total order: both sides, cut-outs tested at the cone's
+  // level. The instance is no_instance if there is none. cull = true obeys the rasterizer's cull rule, as for primary
+  // rays (docs/adr/0043-back-faces.md).
   void nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits,
                       OpaqueSet set = OpaqueSet::visible_in_reflection, Cone cone = {}, bool cull = false) const;
-  // Finds the first `layers` OPAQUE or MASK surfaces of each ray, whatever their visibility, as nearest_layers() does:
-  // all that are coplanar, and backs as `cull` says. layers <= 64.
+  // Finds the first `layers` OPAQUE or MASK surfaces of each ray, whatever their visibility flags, as nearest_layers()
+  // does: all coplanar ones, and back faces only if `cull` is false. layers <= 64.
   void nearest_opaque_layers(std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits, uint32_t* counts,
                              Cone cone = {}, bool cull = true) const;
-  // Finds out whether an OPAQUE or MASK surface of the set lies between t_near and t_far: occluded[i] = 0 or 1.
+  // Tests whether an OPAQUE or MASK surface of the set lies between t_near and t_far: occluded[i] = 0 or 1.
   void occluded(std::span<const Ray> rays, bool coherent, uint8_t* occluded,
                 OpaqueSet set = OpaqueSet::casts_shadow) const;
   void occluded(const RayColumns& rays, bool coherent, uint8_t* occluded,
                 OpaqueSet set = OpaqueSet::casts_shadow) const;
 
   bool has_translucent(LayerSet set) const;
-  // Grows with each set_scene() after which rays toward opaque surfaces may hit others than before: where something
-  // opaque has come, gone, moved or got other holes. Lights, colours and translucent surfaces leave it.
+  // Grows with each set_scene() that may change the opaque hits of a ray, because an opaque instance was added, removed
+  // or moved or its holes changed. Lights, colours and translucent surfaces do not change it.
   uint64_t opaque_revision() const;
   uint32_t packet_width() const;  // 16, 8, 4 or 1: the native one
   std::string isa() const;

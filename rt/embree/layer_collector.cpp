@@ -13,8 +13,8 @@ double distance_margin(const Lane& lane, double distance) {
          static_cast<double>(relative_margin) * distance;
 }
 
-// Returns whether hits[hit_count], just written, simply comes next: it lies behind the others and is the same crossing
-// as none of them.
+// Returns whether hits[hit_count], just written, can stay there: it lies behind all others and is no crossing of
+// theirs.
 bool is_next(const TraceTable& table, const Lane& lane) {
   if (lane.hit_count == 0) return true;
   const Hit& hit = lane.hits[lane.hit_count];
@@ -28,7 +28,7 @@ bool is_next(const TraceTable& table, const Lane& lane) {
 void resolve(const TraceTable& table, const LayerRules& rules, Lane& lane, const Candidate& candidate,
              const PlaneHit& plane) {
   const TraceInstance& instance = table.instances[candidate.instance];
-  // Sorts in place, because Embree's order is nearly always ours.
+  // Tries the end of the list first, because Embree's order is nearly always ours.
   Hit beyond;
   const bool room = lane.hit_count < rules.kept;
   Hit& hit = room ? lane.hits[lane.hit_count] : beyond;
@@ -44,7 +44,7 @@ bool is_complete(const LayerRules& rules, const Lane& lane) {
   if (lane.lossy) return false;
   if (lane.limit == std::numeric_limits<float>::infinity()) return true;
   if (lane.hit_count < rules.layers) return false;
-  // Hits beyond the limit were rejected; they may be nearer than Embree said by half the margin.
+  // Hits beyond the limit were rejected, but may be nearer than Embree said by half the margin.
   const float last = static_cast<float>(lane.hits[rules.layers - 1].distance) / lane.distance_of_unit + lane.back;
   return last + 0.5f * lane.margin_at(last) <= lane.limit;
 }

@@ -1,6 +1,6 @@
-// Keeps, per ray of a packet, the nearest surfaces in the total order while Embree names candidates in any order. Knows
-// nothing of Embree: t is in Embree's scale of the ray, which is a power of two times ours. Each packet belongs to one
-// thread.
+// Keeps the nearest surfaces of each ray of a packet in the total order, while Embree reports candidates in any order.
+// It does not depend on Embree. t is in Embree's scale of the ray, a power of two times ours. Each packet belongs to
+// one thread.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace sideray::rt {
 
-// Embree's float distance may differ from ours by this share of the distance; Lane::margin is added.
+// Embree's float distance may differ from ours by this share of it, plus Lane::margin.
 inline constexpr float relative_margin = 5e-5f;
 
 struct Candidate {
@@ -19,7 +19,7 @@ struct Candidate {
   uint32_t instance, primitive;
 };
 
-// Holds one ray's state. Candidates are sorted by t once there are more than one of them to keep.
+// Holds one ray's state. Candidates are sorted by t as soon as there is more than one.
 struct Lane {
   static constexpr uint32_t spare = 15;  // candidates behind the last layer, within rounding of it
 
@@ -27,27 +27,27 @@ struct Lane {
   Hit* hits;  // has room for LayerRules::kept
   uint32_t hit_count;
   uint32_t candidate_count;
-  bool lossy;              // candidates that might have counted have been rejected
+  bool lossy;              // a candidate that might have counted was rejected
   float limit;             // no candidate farther than this t counts
   float margin;            // absolute part of t's rounding margin
-  float back;              // how far before the origin t begins
-  float begin;             // candidates up to this t may lie before the ray's beginning
+  float back;              // how far before the origin t starts
+  float begin;             // a candidate up to this t may lie before the ray's start
   float distance_of_unit;  // our distance where t = 1
 
   float margin_at(float t) const { return margin + relative_margin * t; }
 };
 
-// Says which candidates count as surfaces.
+// Says which candidates count as surfaces, and how many are kept.
 struct LayerRules {
-  uint32_t layers;  // how many have to be found
-  uint32_t kept;    // at most this many hits are kept: the layers, and others within rounding of the last one
+  uint32_t layers;  // the number to find
+  uint32_t kept;    // limit of the hits kept: the layers, and others within rounding of the last one
   bool cull;        // obey TraceInstance::culls
-  Cone cone;        // alpha is read at its level
+  Cone cone;        // for the mip level of alpha
 };
 
-// First pass: notes a candidate and narrows lane.limit from Embree's own distances. This is optimistic: a candidate may
-// turn out to be no surface, or the same one twice. Returns whether the limit was narrowed. Takes and stores scalars: a
-// struct of them, stored in parts and loaded as a whole, would stall.
+// First pass: notes a candidate and narrows lane.limit by Embree's own distances. This is optimistic: the candidate may
+// prove to be no surface, or a known one. Returns whether the limit was narrowed. Takes and stores scalars, because a
+// struct that is stored in parts and loaded whole would stall the processor.
 inline bool note_candidate(Lane& lane, Candidate* list, uint32_t layers, float t, uint32_t instance,
                            uint32_t primitive) {
   if (t > lane.limit) return false;
@@ -73,8 +73,8 @@ inline bool note_candidate(Lane& lane, Candidate* list, uint32_t layers, float t
   return true;
 }
 
-// Puts `hit` into the lane's hits at its place in the total order, or drops it where it is farther than the last one or
-// the same crossing as another.
+// Inserts `hit` into the lane's hits by the total order. Drops it if it is farther than the last one, or the same
+// crossing as another.
 void insert_hit(const TraceTable& table, const LayerRules& rules, Lane& lane, const Hit& hit);
 
 // Exact pass: recomputes a candidate at once and inserts it if it counts. Returns whether the lane's limit was
@@ -88,7 +88,7 @@ struct CandidateBlock {
   LocalPosition corners[3][size];
   alignas(64) double determinant[size], t[size], u[size], v[size];
 
-  // Fetches ahead what place() reads.
+  // Prefetches what place() reads.
   static void fetch(const TraceInstance& instance, uint32_t primitive) {
     const glm::uvec3 triangle = instance.triangles[primitive];
     for (int i = 0; i < 3; ++i) __builtin_prefetch(instance.positions + triangle[i]);
@@ -100,9 +100,9 @@ struct CandidateBlock {
   void meet_planes();
 };
 
-// Ends the first pass: recomputes the candidates noted for the lanes in `pending`, list by list of `stride` each.
-// Returns the lanes, as bits, whose optimism was wrong, so that their rays must be traced again with the exact pass.
-// Candidates must have passed the alpha test. Origins and directions of the block must be set.
+// Ends the first pass: recomputes the candidates of the lanes in `pending`, from lists of `stride` each. Returns the
+// bits of the lanes that the first pass narrowed too far; their rays must be traced again with the exact pass.
+// Candidates must have passed the alpha test. The block's origins and directions must be set.
 uint32_t resolve_candidates(const TraceTable& table, const LayerRules& rules, std::span<Lane> lanes, uint32_t pending,
                             const Candidate* lists, uint32_t stride, CandidateBlock& block);
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-// The width is fixed, so that this compiles to vectors without a remainder.
+// The width is a constant, so that this compiles to vectors without a remainder loop.
 template <uint32_t N>
 SIDERAY_INLINE bool note_lanes(NearestBlock& block, const NamedHits& hits) {
   int* __restrict valid = hits.valid;

@@ -1,5 +1,5 @@
-// Does the first pass where one layer is wanted: layer_collector.h's rules for the lanes of a packet side by side, in
-// vectors. Lanes with several candidates within rounding go back to lists. Each packet belongs to one thread.
+// Does the first pass for one layer: the rules of layer_collector.h in vectors, for all lanes of a packet at once.
+// Lanes with several candidates within rounding use lists instead. Each packet belongs to one thread.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace sideray::rt {
 
-// Holds the hits that a filter is handed, one array per member, as wide as the packet. Lane i is ray i.
+// Holds the hits passed to a filter, one array per member, as wide as the packet. Lane i is ray i.
 struct NamedHits {
   int* valid;  // -1 or 0
   float* t_far;
@@ -31,19 +31,19 @@ struct NearestBlock {
   alignas(64) int sound[size], front[size];
 
   void clear();
-  // Keeps hits that are nearer than all before by more than rounding, narrows the ends of their lanes and rejects the
-  // others. Returns whether some of those are `close` to their lane's candidate or to the ray's beginning: if they
-  // count, they need a list.
+  // Keeps hits that are nearer than all before by more than rounding, narrows the ends of their lanes, and rejects the
+  // others. Returns whether a rejected hit is `close` to its lane's candidate or to the ray's start, so that it needs a
+  // list if it counts.
   bool note(const NamedHits& hits, uint32_t width);
-  // Returns the lanes, as bits, that hold an only candidate.
+  // Returns the bits of the lanes that hold exactly one candidate.
   uint32_t occupied() const;
-  // Does the vector part of finish_hit() and proves that nothing nearer has been rejected. The planes must have been
+  // Does the vector part of finish_hit(), and checks that no nearer hit was rejected. The planes must have been
   // intersected.
   void finish(const CandidateBlock& planes);
 };
 
-// Recomputes the only candidates: hits[i * rules.kept], counts[i]. Returns the lanes, as bits, that must be traced again
-// with the exact pass. Origins and directions of the planes must be set.
+// Recomputes the candidates of lanes that have one: hits[i * rules.kept], counts[i]. Returns the bits of the lanes that
+// must be traced again with the exact pass. The origins and directions of `planes` must be set.
 uint32_t resolve_nearest(const TraceTable& table, const LayerRules& rules, std::span<const Ray> rays,
                          NearestBlock& nearest, CandidateBlock& planes, Hit* hits, uint32_t* counts);
 

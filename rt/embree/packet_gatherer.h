@@ -1,5 +1,6 @@
-// Finds surfaces of rays by Embree's packets: the nearest, or all in one traversal; near edges, where Embree's kernels differ,
-// without a word of theirs. Only intersector.cpp uses it. Each object belongs to one thread.
+// Finds the surfaces of rays by Embree's packets: the nearest ones, or all in one traversal. Hits near edges, where
+// Embree's kernels differ, are decided in double precision. Only intersector.cpp uses it. Each object belongs to one
+// thread.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +16,7 @@
 
 namespace sideray::rt {
 
-// Notes all that Embree names for the rays of a packet.
+// Notes all triangles that Embree reports for the rays of a packet.
 struct NamedQuery : embree::Query {
   std::vector<NamedTriangle> named;
 };
@@ -29,8 +30,8 @@ void named_filter(const RTCFilterFunctionNArguments* arguments) {
   });
 }
 
-// Traces rays anew that have hit something near an edge, where Embree's kernels differ, and decides without them. The rays
-// that need it are a few in a thousand.
+// Traces rays again that hit something near an edge, where Embree's kernels differ, and decides in double precision. A
+// few rays in a thousand need it.
 template <unsigned N>
 class EdgeTracer {
  public:
@@ -70,7 +71,7 @@ class EdgeTracer {
   std::array<Hit, most_packet_layers> kept_;
 };
 
-// Finds the nearest surfaces of rays, whichever kernels Embree has.
+// Finds the nearest surfaces of rays, with the same result for all of Embree's kernels.
 template <unsigned N>
 void trace_layers(const TraceTable& table, const TopLevel& top, uint32_t mask, LayerRules rules, bool coherent,
                   std::span<const Ray> rays, Hit* hits, uint32_t* counts, double* known = nullptr) {
@@ -92,9 +93,9 @@ void trace_layers(const TraceTable& table, const TopLevel& top, uint32_t mask, L
   }
 }
 
-// Notes all hits of a packet's rays, in any order: nothing has to be sorted while Embree traverses.
+// Notes all hits of a packet's rays in any order, so that nothing is sorted during traversal.
 struct GatherQuery : embree::Query {
-  // More surfaces on a ray are rare.
+  // Rays with more surfaces are rare.
   static constexpr uint32_t room = 32;
   struct Named {
     uint32_t instance, primitive;
@@ -123,7 +124,7 @@ void gather_filter(const RTCFilterFunctionNArguments* arguments) {
   });
 }
 
-// Finds all surfaces of up to N rays.
+// Finds all surfaces of up to N rays at a time.
 template <unsigned N>
 class PacketGatherer {
  public:
@@ -132,7 +133,7 @@ class PacketGatherer {
     query_.table = &table;
   }
 
-  // Appends them, ray by ray.
+  // Appends the surfaces, ray by ray.
   void trace(std::span<const Ray> rays, RaySurfaces& surfaces) {
     const auto count = static_cast<uint32_t>(rays.size());
     query_.rays = rays;

@@ -1,5 +1,6 @@
-// Finds the nearest surfaces of the rays of one of Embree's packets: the filters that note candidates while it traverses, and
-// what makes hits of them. Only intersector.cpp and packet_gatherer.h use it. A tracer belongs to one thread.
+// Finds the nearest surfaces of the rays of one of Embree's packets: has the filters that note candidates during
+// traversal, and turns candidates into hits. Only intersector.cpp and packet_gatherer.h use it. A tracer belongs to one
+// thread.
 #pragma once
 
 #include <algorithm>
@@ -39,7 +40,7 @@ struct LayerQuery : embree::Query {
 
   std::span<const Ray> rays;  // those of the packet
   Hit* hits = nullptr;
-  // `nearest` is used where one layer is wanted; lists serve only the lanes whose bit is in `listed`.
+  // `nearest` is used for one layer; lists serve only the lanes whose bit is in `listed`.
   NearestBlock nearest{};
   uint32_t listed = 0;
 
@@ -65,9 +66,8 @@ inline bool discarded(const TraceTable& table, const Ray& ray, const Candidate& 
          alpha_discards(*table.snapshot, instance, ray, hit, cone);
 }
 
-// Returns whether a candidate near its ray's beginning lies before it, and so does not count. Mostly it is the surface
-// that the ray starts on: if it stayed in the list, it would displace one that counts, and the ray would have to be
-// traced again.
+// Returns whether a candidate near its ray's start lies before it, and so does not count. It is mostly the surface that
+// the ray starts on. On the list it would displace a candidate that counts, and the ray would have to be traced again.
 inline bool lies_before(const TraceTable& table, const Ray& ray, float begin, const Candidate& candidate) {
   if (candidate.t > begin) return false;
   Hit hit;
@@ -95,7 +95,7 @@ void first_pass_filter(const RTCFilterFunctionNArguments* arguments) {
   });
 }
 
-// Puts a candidate that is within rounding of the only one, or of others, on the lane's list. Returns whether it
+// Puts a candidate that is within rounding of the lane's other candidates on the lane's list. Returns whether that
 // narrowed the lane's limit.
 inline bool note_on_list(LayerQuery& query, uint32_t i, const Candidate& candidate) {
   NearestBlock& nearest = query.nearest;
@@ -104,7 +104,7 @@ inline bool note_on_list(LayerQuery& query, uint32_t i, const Candidate& candida
     query.listed |= 1u << i;
     query.start_lane(i);
     constexpr float infinity = std::numeric_limits<float>::infinity();
-    if (nearest.t[i] < infinity)  // false only for a first candidate so far off that its limit overflows
+    if (nearest.t[i] < infinity)  // false only for a first candidate so far away that its limit overflows
       note_candidate(lane, query.list(i), 1, nearest.t[i], nearest.instance[i], nearest.primitive[i]);
     nearest.t[i] = -infinity;
   }
@@ -113,7 +113,7 @@ inline bool note_on_list(LayerQuery& query, uint32_t i, const Candidate& candida
   return true;
 }
 
-// Does the work of first_pass_filter for one layer.
+// Does the work of first_pass_filter if one layer is wanted.
 template <unsigned N>
 void nearest_filter(const RTCFilterFunctionNArguments* arguments) {
   auto& query = embree::state_of<LayerQuery>(*arguments);
@@ -150,7 +150,7 @@ void exact_filter(const RTCFilterFunctionNArguments* arguments) {
   });
 }
 
-// Finds the nearest surfaces of up to N rays.
+// Finds the nearest surfaces of up to N rays at a time.
 template <unsigned N>
 class PacketTracer {
  public:
@@ -160,13 +160,13 @@ class PacketTracer {
     query_.rules = rules;
   }
 
-  // `known`, if not null, receives the distance up to which each ray has no other surfaces; hits behind it are left
-  // out, except the first.
+  // `known`, if not null, receives the distance up to which the hits of each ray are complete. Hits behind it are
+  // dropped, except the first.
   void trace(std::span<const Ray> rays, Hit* hits, uint32_t* counts, double* known = nullptr) {
     const auto count = static_cast<uint32_t>(rays.size());
     query_.rays = rays;
     query_.hits = hits;
-    // The rays of one packet often go the same way even where not all rays do.
+    // The rays of one packet often share a direction even if the whole batch does not.
     coherent_ = all_coherent_ || directions_agree(rays);
     const uint32_t wanted = (1u << count) - 1u;
     const uint32_t again = query_.rules.layers == 1 ? trace_nearest(wanted, counts) : trace_first(wanted, counts);
@@ -180,7 +180,7 @@ class PacketTracer {
   }
 
  private:
-  // Runs the first passes, and returns the lanes, as bits, that they could not finish.
+  // Runs the first passes. Returns the bits of the lanes that need the exact pass.
   uint32_t trace_first(uint32_t wanted, uint32_t* counts) {
     const bool any = set(wanted);
     start_lanes(wanted);
@@ -214,7 +214,7 @@ class PacketTracer {
                               block_);
   }
 
-  // Sets the lanes whose bit is wanted and clears the others; returns false where no ray is left to trace.
+  // Sets up the lanes whose bit is wanted and clears the others; returns false if no ray is left to trace.
   bool set(uint32_t wanted) {
     const uint32_t traced = packet_.set(query_.rays, wanted, top_, true);
     std::copy_n(packet_.margin.begin(), N, query_.nearest.margin);
@@ -242,7 +242,7 @@ class PacketTracer {
     }
   }
 
-  // Returns the distance up to which a lane's hits are complete, and drops its hits behind that, except the first.
+  // Returns the distance up to which a lane's hits are complete, and drops the hits behind it, except the first.
   double cut_to_known(uint32_t i, float limit, uint32_t& count) const {
     if (count == 0) return std::numeric_limits<double>::infinity();
     // A hit that was rejected, beyond the limit, may be nearer than Embree said by half the margin.
@@ -257,7 +257,7 @@ class PacketTracer {
 
   const TraceTable& table_;
   const TopLevel& top_;
-  bool all_coherent_, coherent_ = false;  // all packets; this one
+  bool all_coherent_, coherent_ = false;  // of all packets, of this one
   RayPacket<N> packet_;
   LayerQuery query_;
   CandidateBlock block_{};

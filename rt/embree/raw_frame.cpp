@@ -17,11 +17,11 @@ namespace sideray::rt {
 namespace {
 
 constexpr uint32_t block = 4;            // pixels a side that a packet covers
-constexpr uint32_t blocks_in_piece = 8;  // a side: what a thread takes at once
+constexpr uint32_t blocks_in_piece = 8;  // a side, in the piece that a thread takes
 constexpr float farthest_hit = 1e30f;
 constexpr float farthest_vertex = 1e18f;  // Embree's own limit is 1.8e18
 
-// Sprites have no triangles before they face a view.
+// Sprites have no triangles until they are turned toward a view.
 bool is_traced(const model::Instance& instance) {
   return instance.sprites == 0;
 }
@@ -45,7 +45,7 @@ void commit(RTCDevice device, const SceneHandle& scene) {
   check_device(device, "building the scene of a raw frame");
 }
 
-// Adds the mesh's triangles, copied, as the instance has them. What is out of Embree's range is left out.
+// Adds a copy of the mesh's triangles, transformed by the instance. Leaves out those beyond Embree's range.
 void add_triangles(RTCDevice device, RTCScene scene, const model::Mesh& mesh, const glm::mat4x3& place) {
   if (mesh.triangles.empty()) return;
   const GeometryHandle geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
@@ -75,7 +75,7 @@ SceneHandle flat_scene(RTCDevice device, const model::Snapshot& snapshot) {
   return scene;
 }
 
-// Holds shared meshes and their instances, set up as the tracer's own scenes are but of a better quality.
+// Holds shared meshes and their instances, set up like the tracer's own scenes but with a better build quality.
 struct InstancedScene {
   InstancedScene(RTCDevice device, const model::Snapshot& snapshot) {
     for (const model::Instance& instance : snapshot.instances) {
@@ -99,12 +99,12 @@ struct InstancedScene {
     return made;
   }
 
-  MeshScenes meshes;  // outlives its instances
+  MeshScenes meshes;  // must outlive its instances
   TopLevel top;
 };
 
-// Holds rays that start and point where a pixel's do: both are linear in the pixel's place before directions are made
-// unit. Filling packets is part of what is timed, so it is cheap.
+// Makes the rays of pixels. Origin and unnormalized direction are linear in the pixel's position. Filling packets is
+// part of the timed work, so it is cheap.
 class PixelRays {
  public:
   PixelRays(const RawFrameRequest& request) {
@@ -157,7 +157,7 @@ class PixelRays {
   Linear origin_, direction_;
 };
 
-// Traces the whole frame once. Blocks at the edges are whole, too; their distances have room.
+// Traces the whole frame once. Blocks at the picture's edges are traced whole; their distances have room.
 class FrameTracer {
  public:
   FrameTracer(const RawFrameRequest& request, RTCScene scene)

@@ -1,4 +1,4 @@
-// What batches of rays have in common, however they are traced. Plain values; any thread may use them.
+// Describes batches of rays, however they are traced. Plain values; any thread may use them.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,8 @@
 
 namespace sideray::rt {
 
-// Returns whether a packet should be traced as coherent: it gains only where its rays go the same way; elsewhere the
-// coherent traversal costs half the speed.
+// Returns whether a packet should be traced as coherent: that is faster only if its rays have similar directions, and
+// half as fast otherwise.
 inline bool directions_agree(std::span<const Ray> rays) {
   constexpr float same_way = 0.95f;
   size_t agreeing = 0;
@@ -20,7 +20,7 @@ inline bool directions_agree(std::span<const Ray> rays) {
   return agreeing * 10 >= rays.size() * 9;
 }
 
-// Holds all surfaces of several rays: of ray i, hits[ends[i - 1]] (of the first, hits[0]) up to, but without, hits[ends[i]].
+// Holds all surfaces of several rays. Those of ray i are hits[k] for ends[i - 1] <= k < ends[i], with ends[-1] = 0.
 struct RaySurfaces {
   std::vector<Hit> hits;
   std::vector<uint32_t> ends;

@@ -1,5 +1,5 @@
-// Puts rays into Embree's packets: checks them, so that Embree gets none that it aborts on, and fills the lanes. Only
-// intersector.cpp uses it. Each packet belongs to one thread.
+// Fills Embree's packets with rays, and leaves out rays on which Embree would abort. Only intersector.cpp uses it. Each
+// packet belongs to one thread.
 #pragma once
 
 #include <algorithm>
@@ -34,8 +34,9 @@ inline float larger(float a, float b) {
 }
 
 inline constexpr Ray harmless_ray{{0.0f, 0.0f, 0.0f}, 1.0f, {0.0f, 0.0f, 1.0f}, -1.0f};
-inline constexpr float absolute_margin = 1e-5f;  // like relative_margin, as a share of the coordinates that enter
-inline constexpr float largest_t_near = 1e30f;   // beyond, Embree's arithmetic overflows; no vertex is that far
+inline constexpr float absolute_margin = 1e-5f;  // like relative_margin, but as a share of the coordinates in the
+                                                 // computation
+inline constexpr float largest_t_near = 1e30f;   // Embree's arithmetic overflows beyond it; no vertex is that far
 
 template <unsigned N>
 class RayPacket {
@@ -51,8 +52,8 @@ class RayPacket {
     }
   }
 
-  // Takes up to N rays and makes ready those whose bit is in `wanted`; returns the bits of the rays that are to be
-  // traced. `widen`: lets Embree name everything that may, within its rounding, lie between the rays' ends.
+  // Takes up to N rays and prepares those whose bit is in `wanted`; returns the bits of the rays to trace. `widen`:
+  // lets Embree report everything that may, within its rounding, lie between the rays' ends.
   uint32_t set(std::span<const Ray> rays, uint32_t wanted, const TopLevel& top, bool widen) {
     const auto ray = [&](uint32_t i) -> const Ray& { return i < rays.size() ? rays[i] : harmless_ray; };
     if constexpr (N % 4 == 0)
@@ -62,7 +63,7 @@ class RayPacket {
     return finish([&](uint32_t i) { return rays[i]; }, wanted, top, widen);
   }
 
-  // Does the same for up to N rays from `first` on.
+  // Does the same for up to N rays, starting with the one at `first`.
   uint32_t set(const RayColumns& rays, size_t first, const TopLevel& top, bool widen) {
     const auto count = static_cast<uint32_t>(std::min<size_t>(N, rays.count - first));
     RTCRayN* r = ray_n();
@@ -98,7 +99,7 @@ class RayPacket {
 
   float t_far(uint32_t lane) { return RTCRayN_tfar(ray_n(), N, lane); }
 
-  // Copies the rays as they were set; directions are ours times a power of two, and so are distances.
+  // Copies the origins as set; directions and distances are ours times a power of two.
   void copy_rays(CandidateBlock& block) {
     static_assert(N <= CandidateBlock::size);
     for (int c = 0; c < 3; ++c) std::copy_n(origin_[c], N, block.origin[c]);
@@ -107,18 +108,18 @@ class RayPacket {
     std::copy_n(&RTCRayN_dir_z(ray_n(), N, 0), N, block.direction[2]);
   }
 
-  // These say how the lanes were set.
+  // How the lanes were set:
   std::array<float, N> distance_of_unit;  // our distance for Embree's t = 1: a power of two
-  std::array<float, N> margin;            // of Embree's t where widened: the part that does not grow with the distance
-  std::array<float, N> back;              // how far before the origin Embree's ray begins, in its t, where widened
-  std::array<float, N> begin;             // where widened: a hit with this t or less may lie before the ray's beginning
-  std::array<float, N> end;               // where widened: a hit with this t or more may lie behind the ray's end
+  std::array<float, N> margin;            // of Embree's t if widened: the part that does not grow with the distance
+  std::array<float, N> back;              // if widened: how far before the origin Embree's ray starts, in its t
+  std::array<float, N> begin;             // if widened: a hit with this t or less may lie before the ray's start
+  std::array<float, N> end;               // if widened: a hit with this t or more may lie behind the ray's end
 
  private:
   RTCRayN* ray_n() { return reinterpret_cast<RTCRayN*>(&packet.ray); }
   RTCHitN* hit_n() { return reinterpret_cast<RTCHitN*>(&packet.hit); }
 
-  // Finishes the lanes that were written; ray_of(lane) is the ray as it was.
+  // Finishes the lanes that were written; ray_of(lane) returns the original ray.
   template <typename RayOf>
   uint32_t finish(const RayOf& ray_of, uint32_t wanted, const TopLevel& top, bool widen) {
     alignas(64) std::array<int, N> plain;
@@ -153,7 +154,7 @@ class RayPacket {
 
   using Four = float __attribute__((vector_size(16)));
 
-  // Writes four numbers of each of four rays, transposed, to rows that lie N numbers apart.
+  // Transposes four numbers of each of four rays into rows that are N numbers apart.
   static void transpose(const std::array<const float*, 4>& from, const std::array<float*, 4>& to) {
     Four a, b, c, d;
     std::memcpy(&a, from[0], sizeof(Four));
@@ -180,7 +181,7 @@ class RayPacket {
                &RTCRayN_tfar(r, N, lane)});
   }
 
-  // Finds the rays that are valid and of ordinary length, and finishes those, without branches, as a vector loop.
+  // Finds the valid rays of ordinary length and finishes them, without branches, as a vector loop.
   void examine(const TopLevel& top, bool widen, std::array<int, N>& plain) {
     float* const t_near = &RTCRayN_tnear(ray_n(), N, 0);
     float* const t_far = &RTCRayN_tfar(ray_n(), N, 0);
@@ -193,7 +194,7 @@ class RayPacket {
       const float near = t_near[i], far = t_far[i];
       const float reach = larger(larger(std::abs(ox), std::abs(oy)), std::abs(oz));
       const float size = larger(larger(std::abs(dx), std::abs(dy)), std::abs(dz));
-      // The sum is NaN where one of them is NaN or infinite.
+      // The sum is NaN if any component is NaN or infinite.
       const float sum = (ox + oy + oz + dx + dy + dz) * 0.0f;
       plain[i] = static_cast<int>(sum == 0.0f) & static_cast<int>(reach <= limit) & static_cast<int>(size > 0x1p-10f) &
                  static_cast<int>(size < 0x1p10f) & static_cast<int>(near >= 0.0f) & static_cast<int>(near < far) &
@@ -201,7 +202,7 @@ class RayPacket {
       margin[i] = absolute * (reach + magnitude) / size;
       distance_of_unit[i] = 1.0f;
       const float open = margin[i] + relative * near;
-      // Embree accepts no negative t_near, so the origin is moved back until hits at the original origin can be
+      // Embree accepts no negative t_near, so the origin is moved back until a hit at the original origin can be
       // reported.
       const float b = larger(0.0f, open - near);
       back[i] = b;
@@ -209,14 +210,14 @@ class RayPacket {
       o[i] = ox - dx * b, o[N + i] = oy - dy * b, o[2 * N + i] = oz - dz * b;
       t_near[i] = near - open + b;
       begin[i] = near + open + b;
-      // The end is made finite, because a margin of 0 times an infinite end is NaN.
+      // The end is made finite, because 0 times an infinite end is NaN.
       const float finite_far = far < std::numeric_limits<float>::max() ? far : std::numeric_limits<float>::max();
       end[i] = far - (margin[i] + relative * finite_far) + b;
       t_far[i] = far + (margin[i] + relative * finite_far) + b;
     }
   }
 
-  // Sets a ray that is invalid (returns false: leave it out) or whose direction is very long or short.
+  // Sets a ray whose direction is very long or short. Returns false if the ray is invalid and must be left out.
   bool set_odd(uint32_t lane, const Ray& ray, const TopLevel& top, bool widen) {
     const float reach = largest_component(ray.origin), size = largest_component(ray.direction);
     const float sum = ray.origin.x + ray.origin.y + ray.origin.z + ray.direction.x + ray.direction.y + ray.direction.z;
@@ -244,7 +245,7 @@ class RayPacket {
     return true;
   }
 
-  // Clears a lane, so that it hits nothing even where Embree ignores `valid`.
+  // Clears a lane, so that its ray hits nothing even if Embree ignores `valid`.
   void clear(uint32_t lane) {
     write(lane, harmless_ray.origin, harmless_ray.direction, harmless_ray.t_near, harmless_ray.t_far);
     valid[lane] = 0;
@@ -255,7 +256,7 @@ class RayPacket {
 
   alignas(64) typename Types::RayHit packet;
   alignas(64) std::array<int, N> valid;
-  alignas(64) float origin_[3][N];  // as the rays had it
+  alignas(64) float origin_[3][N];  // of the rays as given
 };
 
 }  // namespace sideray::rt

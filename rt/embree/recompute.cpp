@@ -36,8 +36,8 @@ Double3 double3(glm::vec3 v) {
   return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
 }
 
-// Bounds how far float arithmetic on these coordinates may put a ray beside a triangle, in local lengths: Embree
-// intersects in object space with a ray transformed in float, which takes a few roundings of the coordinates involved.
+// Bounds how far float rounding may move a ray beside a triangle, in local lengths: Embree intersects in object space
+// with a ray transformed in float, which takes a few roundings of the coordinates involved.
 double beside_tolerance(const TraceInstance& instance, const Corners& corners, const Ray& ray,
                         float roundings = 64.0f * 0x1p-24f) {
   float size = 0.0f;
@@ -46,8 +46,8 @@ double beside_tolerance(const TraceInstance& instance, const Corners& corners, c
                              (size + largest_component(ray.origin) + largest_component(translation(instance))));
 }
 
-// Finds which corners a hit depends on: those whose opposite edge is farther from the ray than rounding. A hit that
-// depends on all three is an inner point.
+// Finds the corners that a hit depends on: those whose opposite edge is farther from the ray than rounding. A hit that
+// depends on all three is inside the triangle.
 struct Support {
   std::array<bool, 3> corner;
   int count;
@@ -60,8 +60,8 @@ Support support(const TraceInstance& instance, const Ray& ray, const Hit& hit) {
   const double u = static_cast<double>(hit.u), v = static_cast<double>(hit.v);
   const std::array<double, 3> weights{1.0 - u - v, u, v};
   const std::array<glm::dvec3, 3> opposite{p2 - p1, p0 - p2, p1 - p0};
-  // These are twice the triangle's area, and an edge's length, as seen along the ray (times the direction's length):
-  // their quotient is the height over that edge.
+  // Twice the triangle's area and an edge's length, as seen along the ray (times the direction's length): their
+  // quotient is the height over that edge.
   const double area = std::abs(glm::dot(d, glm::cross(p1 - p0, p2 - p0)));
   Support result{};
   for (size_t i = 0; i < 3; ++i) {
@@ -72,7 +72,7 @@ Support support(const TraceInstance& instance, const Ray& ray, const Hit& hit) {
 }
 
 constexpr float edge_roundings = 8.0f * 0x1p-24f;
-constexpr float double_roundings = 0x1p-40f;  // what double precision leaves open, with much to spare
+constexpr float double_roundings = 0x1p-40f;  // the rounding of doubles, with much to spare
 
 PlaneHit meet(const Corners& corners, const Ray& ray) {
   return meet_plane(double3(ray.origin), double3(ray.direction), double3(corners[0]), double3(corners[1]),
@@ -83,7 +83,7 @@ bool is_inside(const PlaneHit& plane) {
   return plane.u >= 0.0 && plane.v >= 0.0 && plane.u + plane.v <= 1.0;
 }
 
-// Returns the least height over an edge, as seen along the ray; it is negative outside.
+// Returns the smallest height over an edge, as seen along the ray; it is negative outside the triangle.
 double least_height(const Corners& corners, const Ray& ray, const PlaneHit& plane) {
   const glm::dvec3 p0(corners[0]), p1(corners[1]), p2(corners[2]), d(ray.direction);
   const std::array<double, 3> weights{1.0 - plane.u - plane.v, plane.u, plane.v};
@@ -94,7 +94,7 @@ double least_height(const Corners& corners, const Ray& ray, const PlaneHit& plan
   return least;
 }
 
-// Returns by how much the distance grows where a ray is moved by one to the side, at most.
+// Returns the largest change of distance per unit that the ray moves sideways.
 double slope_of(const Corners& corners, const PlaneHit& plane) {
   const glm::dvec3 p0(corners[0]), normal = glm::cross(glm::dvec3(corners[1]) - p0, glm::dvec3(corners[2]) - p0);
   return glm::length(normal) / std::max(std::abs(plane.determinant), 1e-300);
@@ -116,7 +116,7 @@ bool clamp_within(const Corners& corners, const Ray& ray, PlaneHit& hit, double 
   return true;
 }
 
-// Intersects in double precision; what lies on an edge by the last bits of doubles is inside.
+// Intersects in double precision; a point on an edge within the rounding of doubles is inside.
 bool meets(const TraceInstance& instance, const Corners& corners, const Ray& ray, PlaneHit& plane) {
   plane = meet(corners, ray);
   if (plane.determinant == 0.0) return false;
@@ -178,12 +178,12 @@ RayBundle rays_beside(const Ray& ray, double offset) {
 
 namespace {
 
-// Where a ray of the bundle hits one of the triangles; the slope is that of slope_of().
+// Holds where a ray of the bundle hits a triangle, with its slope_of().
 struct MetPlane {
   double t, slope;
 };
 
-// Where the ray itself hits one, or passes by within rounding.
+// Holds a triangle that the first ray hits, or misses by no more than rounding.
 struct OpenHit {
   NamedTriangle named;
   PlaneHit plane;
@@ -223,8 +223,8 @@ void decide_near_edges(const TraceTable& table, const RayBundle& rays, double of
     });
   };
   hits.clear();
-  // At a sliver in a corner Embree may have named only its neighbours, which the ray itself does not hit: one of them
-  // takes the hit.
+  // At a sliver in a corner Embree may report only its neighbours, which the ray itself does not hit. Then one of them
+  // gets the hit.
   const auto add = [&](const OpenHit& o) {
     Hit hit;
     if (o.beside && std::any_of(met[0].begin(), met[0].end(), [&](const MetPlane& m) { return is_at(m, o); })) return;
@@ -262,7 +262,7 @@ bool share_edge(const TraceInstance& instance, const Ray& ray, const Hit& a, con
   const Support support_a = support(instance, ray, a), support_b = support(instance, ray, b);
   if (support_a.count == 3 || support_b.count == 3) return false;
   const Corners corners_a = object_corners(instance, a.primitive), corners_b = object_corners(instance, b.primitive);
-  // Two triangles on the same three corners are two surfaces, also at their edges.
+  // Two triangles on the same three corners are two surfaces, even at their edges.
   if (is_corner(corners_b, corners_a[0]) && is_corner(corners_b, corners_a[1]) && is_corner(corners_b, corners_a[2]))
     return false;
   for (size_t i = 0; i < 3; ++i)

@@ -1,5 +1,5 @@
-// Recomputes where a ray hits a triangle that Embree named, in double precision without fused contraction, so that
-// distances and their order are the same bits for every packet width and instruction set. Any thread may call it.
+// Recomputes where a ray hits a triangle that Embree reported, in double precision without fused contraction: distances
+// and their order have the same bits for every packet width and instruction set. Any thread may call it.
 #pragma once
 
 #include <algorithm>
@@ -14,12 +14,12 @@
 
 namespace sideray::rt {
 
-// Holds x, y and z; the fourth keeps the compiler's vectors whole.
+// Holds x, y and z; the fourth component makes the compiler use whole vectors.
 struct LocalPosition {
   alignas(16) float x[4];
 };
 
-// Places a vertex as the rasterizer does: in float, by the instance's matrix.
+// Transforms a vertex as the rasterizer does: in float, by the instance's matrix.
 inline LocalPosition local_position(const TraceInstance& instance, uint32_t vertex) {
   const glm::vec3 p = instance.positions[vertex];
   const auto& m = instance.columns;
@@ -28,8 +28,8 @@ inline LocalPosition local_position(const TraceInstance& instance, uint32_t vert
   return result;
 }
 
-// Holds where a line hits a triangle's plane: the determinant says from which side (0: nowhere), u and v weigh the
-// second and third vertex.
+// Holds where a line hits a triangle's plane. The determinant's sign tells the side (0: no hit); u and v are the
+// weights of the second and third vertex.
 struct PlaneHit {
   double determinant, t, u, v;
 };
@@ -38,7 +38,7 @@ struct Double3 {
   double x, y, z;
 };
 
-// Intersects a line with a triangle's plane (Moeller and Trumbore 1997), without branches, on plain scalars: this
+// Intersects a line with a triangle's plane (Moeller and Trumbore 1997), without branches and on scalars, so that it
 // compiles to the same arithmetic alone and in a vector.
 inline PlaneHit meet_plane(Double3 origin, Double3 d, Double3 p0, Double3 p1, Double3 p2) {
   const Double3 e1{p1.x - p0.x, p1.y - p0.y, p1.z - p0.z}, e2{p2.x - p0.x, p2.y - p0.y, p2.z - p0.z};
@@ -51,10 +51,10 @@ inline PlaneHit meet_plane(Double3 origin, Double3 d, Double3 p0, Double3 p1, Do
           (d.x * b.x + d.y * b.y + d.z * b.z) * scale};
 }
 
-// Moves a point outside the triangle onto it; returns false where it is too far off for rounding to be the reason.
+// Moves a point outside the triangle onto it. Returns false if it is too far away for rounding to be the reason.
 bool clamp_to_triangle(const TraceInstance& instance, uint32_t primitive, const Ray& ray, PlaneHit& hit);
 
-// Does the rest of recompute(), once the plane has been intersected.
+// Does the part of recompute() that follows the plane's intersection.
 inline bool finish_hit(const TraceInstance& instance, uint32_t instance_index, uint32_t primitive, const Ray& ray,
                        PlaneHit plane, Hit& hit) {
   if (plane.determinant == 0.0) return false;
@@ -70,12 +70,11 @@ inline bool finish_hit(const TraceInstance& instance, uint32_t instance_index, u
   return distance >= ray.t_near && distance <= ray.t_far;
 }
 
-// Returns false where the ray does not hit the triangle after all, or hits it outside the ray's ends.
+// Returns false if the ray does not hit the triangle after all, or hits it beyond the ray's ends.
 bool recompute(const TraceInstance& instance, uint32_t instance_index, uint32_t primitive, const Ray& ray, Hit& hit);
 
-// Distances that differ by less than this share count as equal. It lies above the differences that the recomputation in
-// double makes between triangles of one plane, and below the step between two planes with different corners, which are
-// floats.
+// Distances that differ by less than this share count as equal. It is above the rounding of the recomputation in double
+// between triangles of one plane, and below the smallest step between planes whose corners, in float, differ.
 inline constexpr double coplanar_share = 0x1p-34;
 
 // Defines the total order of surfaces along a ray: distance, surface id, primitive.
@@ -90,15 +89,15 @@ inline bool nearer(const TraceTable& table, const Hit& a, const Hit& b) {
   return nearer(a, table.instances[a.instance].surface_id, b, table.instances[b.instance].surface_id);
 }
 
-// Names a triangle that Embree found.
+// Names a triangle that Embree reported.
 struct NamedTriangle {
   uint32_t instance, primitive;
   auto operator<=>(const NamedTriangle&) const = default;
 };
 
-// Embree's kernels transform and intersect in float, each with roundings of its own: of a ray that passes close by a
-// triangle's edge they may say either. Returns within which distance, in local lengths, where a hit lies within it of one
-// of its triangle's edges, as seen along the ray; 0 elsewhere.
+// Embree's kernels transform and intersect in float and round differently, so they may disagree on whether a ray close
+// to a triangle's edge hits it. Returns the largest distance from an edge at which they may disagree, in local lengths
+// as seen along the ray, if the hit is that close to an edge of its triangle; otherwise 0.
 double near_edge(const TraceTable& table, const Ray& ray, const Hit& hit);
 
 // Returns whether near_edge() is 0, by a bound that costs less, where the triangle's local corners and the plane's hit are at
@@ -109,9 +108,9 @@ bool is_clear_of_edges(const TraceInstance& instance, const std::array<LocalPosi
 // A hit whose weights are all larger is far from edges, unless its triangle is hardly larger than rounding.
 inline constexpr float edge_weight = 1.0f / 32;
 
-inline constexpr double beside_an_edge = 4.0;  // times what near_edge() returns: clear of the edge
+inline constexpr double beside_an_edge = 4.0;  // times near_edge(): an offset that is clear of the edge
 
-// Returns the sideways offset at which rays_beside() decide a hit near an edge; 0: no hit is near one.
+// Returns the sideways offset for the rays_beside() that decide hits near an edge; 0: no hit is near one.
 inline double edge_offset(const TraceTable& table, const Ray& ray, std::span<const Hit> hits) {
   double offset = 0.0;
   for (const Hit& hit : hits)
@@ -120,31 +119,31 @@ inline double edge_offset(const TraceTable& table, const Ray& ray, std::span<con
   return offset;
 }
 
-// Holds a ray, and those that are parallel to it around it: as many as fill a packet, and close enough to each other
-// that every triangle of an ordinary corner is hit by one of them.
+// Holds a ray and parallel rays around it: together they fill a packet, and they are dense enough that one of them hits
+// every triangle of an ordinary corner.
 using RayBundle = std::array<Ray, 8>;
 RayBundle rays_beside(const Ray& ray, double offset);
 
-// Decides what the first ray hits, among the triangles that Embree named for it and for those beside it: it hits those
-// that it hits in double precision, near an edge only if all rays hit something at that distance. A ray near a
-// surface's border misses it, whatever Embree says; within a surface, or between two that touch, it hits exactly what
-// arithmetic in double finds. Hits are in no order, backs and holes among them.
+// Decides what the first ray hits among the triangles that Embree reported for all rays of the bundle. The ray hits a
+// triangle if it does so in double precision and, near an edge, if all rays hit something at that distance. So a ray
+// near a surface's border misses it, whatever Embree says; within a surface, or between two that touch, it hits what
+// double precision finds. Hits are in no order and include back faces and holes.
 void decide_near_edges(const TraceTable& table, const RayBundle& rays, double offset,
                        std::span<const NamedTriangle> named, std::vector<Hit>& hits);
 
 // Decides whether a ray hits a triangle that Embree reported. open: the ray passes so close to an edge that
-// decide_near_edges() has to decide; `offset` is then set for it.
+// decide_near_edges() must decide; then `offset` is set for it.
 enum class Meeting { hit, miss, open };
 Meeting decide_alone(const TraceTable& table, const Ray& ray, NamedTriangle named, Hit& hit, double& offset);
 
-// Returns whether both hits, of one instance, lie on an edge or at a corner that their two triangles share.
+// Returns whether both hits, of one instance, lie on an edge or corner that their two triangles share.
 bool share_edge(const TraceInstance& instance, const Ray& ray, const Hit& a, const Hit& b);
 
-// Returns whether two hits of one ray are one crossing of one surface, reported for both triangles at a shared edge or
-// corner. `margin`: the difference of their distances that rounding explains.
+// Returns whether two hits of one ray are one crossing of a surface, reported for both triangles at a shared edge or
+// corner. `margin`: the difference of distances that rounding explains.
 inline bool same_crossing(const TraceTable& table, const Ray& ray, const Hit& a, const Hit& b, double margin) {
   if (a.instance != b.instance || a.front != b.front || std::abs(a.distance - b.distance) > margin) return false;
-  // A builder that splits triangles may name one of them twice.
+  // A builder that splits triangles may report one of them twice.
   return a.primitive == b.primitive || share_edge(table.instances[a.instance], ray, a, b);
 }
 

@@ -10,9 +10,10 @@ namespace sideray::rt {
 
 class Executor;
 
-// Holds what a snapshot does not say of itself.
+// Holds what the snapshot itself does not contain.
 struct SceneUpdate {
-  std::span<const PosedMesh> posed = {};  // of the snapshot's meshes; those of the scene before keep their structures
+  std::span<const PosedMesh> posed = {};  // poses of the snapshot's meshes; poses of the last update keep their
+                                          // structures
   std::span<const uint8_t> culled = {};   // 1 = no ray hits the instance; missing = 0
   Executor* executor = nullptr;           // moves poses on its threads
 };

@@ -15,9 +15,9 @@ float largest_component(glm::vec3 v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
-// Returns the largest length that a unit vector of local space gets in object space, and at least 1.
+// Returns an upper bound, at least 1, of the length in object space of a unit vector of local space.
 double inverse_growth(const glm::mat4x3& m) {
-  // Embree inverts in floats: a determinant out of their range makes every ray NaN.
+  // Embree inverts the matrix in floats: if the determinant is out of their range, every ray becomes NaN.
   const float determinant = glm::determinant(glm::mat3(m[0], m[1], m[2]));
   if (!std::isnormal(determinant)) return std::numeric_limits<double>::infinity();
   const glm::dmat3 inverse = glm::inverse(glm::dmat3(glm::dvec3(m[0]), glm::dvec3(m[1]), glm::dvec3(m[2])));
@@ -26,10 +26,10 @@ double inverse_growth(const glm::mat4x3& m) {
   return sum;
 }
 
-// Embree's own limit is 1.8e18; it holds in every object's space, and is asserted there.
+// Embree's limit is 1.8e18. It applies in every object's space, where Debian's build asserts it.
 constexpr double largest_coordinate = 1e18;
 
-// Returns how far from the local origin a ray may start so that it stays in range in the instance's object space.
+// Returns how far from the local origin a ray may start without leaving Embree's range in the instance's object space.
 double limit_of_origins(const model::Instance& instance, double growth) {
   return largest_coordinate / growth - 3.0 * static_cast<double>(largest_component(instance.local_from_object[3]));
 }
@@ -38,7 +38,7 @@ bool same_but_for_place(const glm::mat4x3& a, const glm::mat4x3& b) {
   return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
-// Returns the largest local coordinate that enters the instance's arithmetic.
+// Returns the largest local coordinate in the instance's arithmetic.
 float reach(const model::Instance& instance, const model::Mesh& mesh) {
   const glm::mat4x3& m = instance.local_from_object;
   const glm::mat3 absolute(glm::abs(m[0]), glm::abs(m[1]), glm::abs(m[2]));
@@ -47,7 +47,7 @@ float reach(const model::Instance& instance, const model::Mesh& mesh) {
 
 }  // namespace
 
-// Values that follow from place and mesh are computed again only where one of them changed.
+// Recomputes what depends on transform and mesh only if one of them changed.
 void TopLevel::look(Entry& entry, const model::Instance& instance, const MeshScene& mesh) {
   const bool same = entry.mesh_scene == mesh.scene.get() && entry.version == mesh.version && entry.mesh == &mesh &&
                     entry.transform == instance.local_from_object;
@@ -117,7 +117,7 @@ void TopLevel::set_up(RTCDevice device, const model::Snapshot& snapshot, const M
     if (!mesh.scene || !std::isfinite(entry.reach)) entry.wanted = 0;
     if (entry.wanted != 0) magnitude = std::max(magnitude, entry.reach);
   }
-  // An instance is left out where it is so flat or small beside the others that no ray from among them is in its range.
+  // Leaves out an instance so flat or small beside the others that no ray from among them would be in its range.
   const float least_limit = 1e3f * magnitude;
   float limit = static_cast<float>(largest_coordinate);
   for (size_t i = 0; i < entries_.size(); ++i) {

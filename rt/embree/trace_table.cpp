@@ -7,7 +7,8 @@
 namespace sideray::rt {
 namespace {
 
-// Returns the grid of the texture whose alpha alone varies over the surface; makes it where the table has none yet.
+// Returns the grid of the base colour's texture if only its alpha varies over the surface, else null. Makes it if the
+// table has none yet.
 const AlphaGrid* grid_of(const model::Snapshot& snapshot, const model::Mesh& mesh, const model::Material& material,
                          TraceTable& table) {
   const uint32_t texture = material.desc.base_color_texture.texture;

@@ -1,4 +1,4 @@
-// Gathers what the recomputation of a hit reads of an instance, so that it costs one look-up. Built with the
+// Gathers the data of an instance that recomputing a hit reads, so that it costs one look-up. It is built with the
 // acceleration structures and immutable afterwards; any thread may read it.
 #pragma once
 
@@ -22,22 +22,22 @@ struct alignas(64) TraceInstance {
   bool discards;  // has texels or vertices with too little alpha
   const model::Mesh* mesh;
   const model::Material* material;
-  // The grid of its base colour's texture, where that alone varies what the instance discards; otherwise null.
+  // The alpha grid of the base colour's texture if only that decides what the instance discards; otherwise null.
   const AlphaGrid* alpha;
 };
 
-// The table is indexed like Snapshot::instances. It points into the snapshot, which it keeps.
+// Is indexed like Snapshot::instances. Points into the snapshot and keeps it alive.
 struct TraceTable {
   static constexpr uint8_t trait_culls = 1, trait_discards = 2;
 
   std::shared_ptr<const model::Snapshot> snapshot;
   std::vector<TraceInstance> instances;
   std::vector<uint8_t> traits;  // decide early whether a hit counts; small enough to stay in the cache
-  uint8_t all_traits = 0;       // those that any instance has
+  uint8_t all_traits = 0;       // union of the instances' traits
   std::vector<std::shared_ptr<const AlphaGrid>> grids;  // like Snapshot::textures; null where none is needed
 };
 
-// Builds the table of a snapshot, and takes over the grids of textures that the table before has too.
+// Builds the table of a snapshot, and reuses the grids of textures that the previous table has too.
 TraceTable build_trace_table(std::shared_ptr<const model::Snapshot> snapshot, const TraceTable& before = {});
 
 }  // namespace sideray::rt

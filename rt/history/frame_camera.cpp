@@ -7,10 +7,10 @@
 namespace sideray::rt {
 namespace {
 
-// A plane seen at an angle of a smaller sine does not predict the neighbouring pixel.
+// The smallest sine between a ray and a plane whose depth still predicts the neighbouring pixel.
 constexpr double least_sine = 0.02;
 constexpr double same_pixel = 1.0 / 1024;
-// How far an eye at rest may move, relative to its coordinates, by their rounding alone.
+// The largest relative motion of an eye at rest, from rounding of its coordinates.
 constexpr double same_eye = 1e-8;
 
 glm::dvec4 row(const glm::dmat4& m, int i) {

@@ -11,7 +11,7 @@ void add(uint64_t& hash, uint64_t value) {
   hash ^= hash >> 32;
 }
 
-// Hashes values by several chains in turn, so that none waits for the value before.
+// Hashes values in several independent chains, so that none waits for the previous value.
 template <typename ValueAt>
 PictureHash hash_of(size_t count, const ValueAt& value_at) {
   PictureHash hash{1, 2, 3, 4};
@@ -22,7 +22,7 @@ PictureHash hash_of(size_t count, const ValueAt& value_at) {
   return hash;
 }
 
-// Hashes row by row, so that the number of threads does not matter. hash_row(y) returns the hash of a row.
+// Hashes by rows, so that the result does not depend on the number of threads. hash_row(y) returns the hash of a row.
 template <typename HashRow>
 PictureHash combine_rows(Executor& executor, uint32_t height, const HashRow& hash_row) {
   std::vector<PictureHash> rows(height);

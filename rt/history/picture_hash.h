@@ -1,4 +1,4 @@
-// Hashes the pictures that a frame is traced from, so that frames are compared without storing them. Any thread.
+// Hashes the input pictures of a frame, so that frames are compared without storing them. Any thread.
 #pragma once
 
 #include <array>
@@ -13,9 +13,9 @@ namespace sideray::rt {
 
 using PictureHash = std::array<uint64_t, 4>;
 
-// Hashes depth, and of the stencil those bits. What a format leaves undefined does not count.
+// Hashes the depth and the given stencil bits. Bits that the format leaves undefined are ignored.
 PictureHash hash_depth(Executor& executor, const DepthImage& depth, uint32_t width, uint32_t height, uint32_t stencil_bits);
-// Hashes rows of the same size.
+// Hashes rows of equal size.
 PictureHash hash_rows(Executor& executor, std::span<const std::byte> texels, uint32_t rows);
 
 }  // namespace sideray::rt

@@ -7,7 +7,7 @@
 namespace sideray::rt {
 namespace {
 
-// Depth tolerance of a reprojected surface, as a share of its depth: less than the step at an edge.
+// Depth tolerance for the same surface, as a share of the depth: less than the step at an edge.
 constexpr float same_depth = 1.0f / 128.0f;
 
 }  // namespace
@@ -36,7 +36,8 @@ void PixelTrail::begin(const TraceView& view, const DepthImage& depth, glm::uvec
   executor.run(tiles_from_.size(), [&](size_t tile, uint32_t) { look_back(tile); });
 }
 
-// Clip coordinates become pixels, over the third; the fourth is the depth along the axis.
+// Computes terms for x and y in pixels, both to be divided by the third component, and the depth along the axis as the
+// fourth.
 void PixelTrail::find_way() {
   const glm::dmat4& m = before_->clip_from_local;
   const glm::dvec2 half = 0.5 * before_->size;
@@ -99,7 +100,7 @@ void PixelTrail::look_back(uint32_t x, uint32_t y, uint32_t count, glm::ivec2& l
     least = glm::min(least, glm::ivec2(x, y)), most = glm::max(most, glm::ivec2(x + count - 1, y));
     return;
   }
-  // A loop without branches, which becomes vectors, finds places; the next one looks there.
+  // This loop has no branches, so that it becomes vector code; the next one reads the pixels that it finds.
   const auto row = static_cast<float>(y);
   const glm::vec4 origin = was_.origin + row * was_.origin_y, ray = was_.ray + row * was_.ray_y;
   std::array<float, frame_tile_size> at_x, at_y, expected;

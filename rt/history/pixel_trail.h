@@ -43,7 +43,7 @@ class PixelTrail {
   const Tiles& tiles_from(size_t tile) const { return tiles_from_[tile]; }
 
  private:
-  struct Terms {  // of clip coordinates in pixels and, in w, the depth; linear in depth, x and y
+  struct Terms {  // clip coordinates in pixels and, in w, the depth; all linear in depth, x and y
     glm::vec4 origin, origin_x, origin_y, ray, ray_x, ray_y;
   };
   void find_way();
@@ -63,7 +63,7 @@ class PixelTrail {
   std::vector<uint32_t> from_;
   std::vector<Tiles> tiles_from_;
   Terms was_{};
-  glm::vec2 rounding_{0.5f};  // of reprojected places; it varies, so that slow movement is not lost
+  glm::vec2 rounding_{0.5f};  // of reprojected positions; it varies, so that slow movement is not lost
 };
 
 // The frame of a view whose histories share a trail, and its number there; without one, a history has its own.

@@ -1,6 +1,6 @@
-// Decides whether a frame of a sequence equals the last one: then its answers have the same bits, and nothing has to be
-// traced, filtered or uploaded. Inputs are compared, not announced (docs/adr/0046-still-views.md). One object a view
-// and job; one thread calls it.
+// Decides whether a frame of a sequence equals the last one. Then its answers have the same bits, and nothing must be
+// traced, filtered or uploaded. Inputs are compared; hosts announce nothing (docs/adr/0046-still-views.md). One object
+// a view and job; one thread calls it.
 #pragma once
 
 #include <array>
@@ -20,9 +20,9 @@
 
 namespace sideray::rt {
 
-// All on which a job's answers depend, besides the scene and the pictures that it reads.
+// Holds everything that a job's answers depend on, besides the scene and the input pictures.
 struct FrameKey {
-  std::vector<std::byte> inputs;  // bytes that all count, of what is asked for
+  std::vector<std::byte> inputs;  // bytes of the requested options, without padding
   TraceView view{};
   uint32_t width = 0, height = 0;
   DepthFormat format{};
@@ -34,18 +34,18 @@ struct FrameKey {
 class StillFrames {
  public:
   using Hashes = std::array<PictureHash, 2>;
-  // Takes the next frame, and returns whether it equals the last one. `hash_pictures` is called only if everything else
-  // is equal, so that a moving view hashes nothing: the third equal frame is the first that is recognized. Wind,
-  // sprites and a host's shader never stand still; a frame that does not continue, or redraws the last one, is always
-  // traced. `committed`: without poses.
+  // Begins the next frame, and returns whether it equals the last one. `hash_pictures` is called only if everything
+  // else is equal, so that a moving view hashes nothing; therefore the third equal frame is the first that is
+  // recognized. Scenes with wind, sprites or a host's shader never count as equal. A frame that does not continue the
+  // sequence, or redraws the last one, is always traced. `committed`: without poses.
   bool begin(FrameKey key, SequenceStep step, std::shared_ptr<const model::Snapshot> committed,
              const std::function<Hashes()>& hash_pictures);
-  // Takes the counters of the frame. `whole`: every answer is there.
+  // Stores the frame's counters. `whole`: every pixel has its answer.
   void end(const Counters& counters, bool whole);
-  // The answers are no longer those of the last frame.
+  // Notes that the answers are no longer those of the last frame.
   void forget() { is_whole_ = false; }
 
-  // Returns the counters of a frame that equals the last one: no ray.
+  // Returns the counters of a frame that equals the last one: without rays.
   Counters counters() const;
 
  private:
@@ -56,7 +56,7 @@ class StillFrames {
   bool is_whole_ = false;
 };
 
-// Returns the bytes of a struct up to the end of its last member: it has padding only behind that.
+// Returns the bytes of a struct up to the end of its last member, behind which it may have padding, but not before.
 template <typename T, typename Last>
 std::vector<std::byte> bytes_through(Last T::*last, const T& inputs) {
   const auto* begin = reinterpret_cast<const std::byte*>(&inputs);

@@ -8,7 +8,7 @@ namespace sideray::rt {
 void CellTable::fit(const IrradianceCells& cells) {
   if (width_ == cells.columns && height_ == cells.rows) return;
   width_ = cells.columns, height_ = cells.rows;
-  // Rows end with what blocks read beside the last cell and behind it.
+  // Rows end with padding, which blocks read beyond the last cell.
   const uint32_t blocks = (width_ + cells_at_once - 1) / cells_at_once;
   columns_.stride = cell_border + static_cast<int32_t>(blocks) * cells_at_once + cell_border;
   count_ = static_cast<size_t>(columns_.stride) * (height_ + 2 * size_t{cell_border}) + cells_at_once;

@@ -6,11 +6,11 @@
 namespace sideray::rt {
 namespace {
 
-// Of the way, by which its ends are raised: a surface that turns by 37 degrees over it, the most that cells of one plane do,
-// bulges by a third of that.
+// Height of the ray's ends as a share of its length. Cells of one plane differ by at most 37 degrees, and such a
+// surface bulges by a third of that height.
 constexpr float raised = 0.25f;
 constexpr float short_of_end = 1.0f - 0x1p-6f;
-constexpr int around = 3;  // cells on each side whose paths tell of what is near
+constexpr int around = 3;  // cells on each side whose paths are taken into account
 
 }  // namespace
 
@@ -61,7 +61,7 @@ void CellWalls::look(int32_t number, bool by_distance, CellRows rows, const Inte
   });
 }
 
-// Adds the rays of the block of cells that begins at `x`.
+// Adds the rays of the block of cells that starts at `x`.
 void CellWalls::ask(size_t row, int32_t x, int32_t number, const uint32_t (&ways)[wall_ways], Scratch& scratch) const {
   const auto columns = static_cast<int64_t>(cells_->columns);
   for (uint32_t bits = ways[0] | ways[1] | ways[2] | ways[3]; bits != 0; bits &= bits - 1) {

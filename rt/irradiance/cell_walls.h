@@ -14,24 +14,24 @@
 
 namespace sideray::rt {
 
-// Returns the ray from a place to another, both raised along their normals so that it clears a bent surface.
+// Returns the ray between two places, both raised along their normals so that it clears a curved surface.
 Ray ray_between(const CellPlace& from, const CellPlace& to);
 
 class CellWalls {
  public:
-  // Takes the cells of a frame, and tells the table how near things may stand to them. The caller keeps both.
+  // Takes the cells of a frame, and writes to the table how near occluders may be. The caller keeps both alive.
   void begin(const IrradianceCells& cells, const CellTable& table, Executor& executor);
-  // Looks between cells of these rows and those 1 << number beside or above them that may share light, and tells the table.
-  // `by_distance`: as far as the light there may be taken for equal.
+  // Tests for walls between cells of these rows and those 1 << number beside or above them that may share light, and
+  // writes them to the table. `by_distance`: only up to the distance at which light is shared.
   void look(int32_t number, bool by_distance, CellRows rows, const Intersector& intersector, Executor& executor);
-  // Returns whether anything may stand as near to a cell as the root of `squared`.
+  // Returns whether an occluder may be as near to a cell as the root of `squared`.
   bool is_near(size_t cell, float squared) const {
     const float share = margin * nearness_[cell];
     return squared * share * share > 1.0f;
   }
 
  private:
-  static constexpr float margin = 2.0f;  // few of the paths meet what is near where it is nearest
+  static constexpr float margin = 2.0f;  // because few paths hit an occluder at its nearest point
   struct Scratch {
     std::vector<Ray> rays;
     std::vector<int32_t> cells, bits;
@@ -42,7 +42,7 @@ class CellWalls {
 
   const IrradianceCells* cells_ = nullptr;
   const CellTable* table_ = nullptr;
-  std::vector<float> nearness_, row_nearness_;  // 1 / distance of the nearest that paths from cells around have met
+  std::vector<float> nearness_, row_nearness_;  // 1 / distance of the nearest hit of paths from cells around
   std::vector<Scratch> scratch_;
 };
 

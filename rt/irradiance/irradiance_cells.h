@@ -1,5 +1,5 @@
-// What is known of a picture's cells of 2x2 pixels, one of which is traced. Plain memory; different cells may be written at the
-// same time.
+// Holds the state of a picture's cells of 2x2 pixels, of which one pixel is traced. Plain memory; different cells may
+// be written at the same time.
 #pragma once
 
 #include <algorithm>
@@ -13,31 +13,31 @@ namespace sideray::rt {
 
 inline constexpr uint32_t cell_side = 2;  // pixels
 
-// The surface that a cell's traced pixel shows.
+// Describes the surface at a cell's traced pixel.
 struct CellPlace {
   glm::vec3 position{0.0f}, normal{0.0f};
-  float width = 0.0f;  // of a pixel there, world units; 0: nothing is drawn
+  float width = 0.0f;  // of a pixel's footprint there, world units; 0: no surface
   float skip = 0.0f;   // as in DepthPoint
 };
 
-// How well a position lies on the plane of a cell: 1, or 0 and less where it is on another.
+// Returns how well a position lies on the plane of a cell: 1 on it, 0 or less on another plane.
 inline float plane_share(const CellPlace& place, glm::vec3 position) {
   constexpr float off_plane = 2.0f;  // widths of a pixel
   return 1.0f - std::abs(glm::dot(place.normal, position - place.position)) / (off_plane * place.width);
 }
 
-// Means over a cell's samples.
+// Holds means over a cell's samples.
 struct CellLight {
-  glm::vec3 light{0.0f};  // from surfaces; and `tint` of directions in which the sky is seen
-  // By how much the sky's light from a direction drawn by it differs from that of the mean colour: 0 on average, so that what
-  // is seen of it and the product of both means are two estimates whose errors cancel (a control variate).
+  glm::vec3 light{0.0f};  // light of surfaces, plus `tint` of directions in which the sky is visible
+  // The sky's light from a sampled direction minus the same light in the mean colour. It is 0 on average, so it is a
+  // control variate: the errors of its visible part and of the product of both means cancel.
   glm::vec3 tint{0.0f};
-  float open = 0.0f;      // share of those directions in which the sky is seen
-  float nearness = 0.0f;  // 1 / distance of what paths hit first
-  // The largest 1 / distance of that along the surface: to a wall on a floor, wherever it is hit. It fades, since the cell may
-  // have moved along.
+  float open = 0.0f;      // share of those directions in which the sky is visible
+  float nearness = 0.0f;  // 1 / distance of the paths' first hits
+  // The largest 1 / distance of those hits along the surface, as to a wall on a floor, wherever it is hit. It decays,
+  // because the cell may have moved along the surface.
   float most_near = 0.0f;
-  float samples = 0.0f;   // how many there are
+  float samples = 0.0f;   // their number
 
   static constexpr float fading = 0.97f;
 
@@ -52,7 +52,7 @@ struct CellLight {
   }
 };
 
-// Rows of a picture, and of its cells: from the first on, up to the end.
+// A range of rows of the picture, or of its cells.
 struct PixelRows {
   uint32_t first = 0, end = 0;
 };
@@ -60,7 +60,7 @@ struct CellRows {
   uint32_t first = 0, end = 0;
   uint32_t count() const { return end - first; }
 };
-// Of tiles of frame_tile_size.
+// A range of rows of tiles of frame_tile_size.
 struct TileRows {
   uint32_t first = 0, end = 0;
 };
@@ -77,7 +77,7 @@ struct IrradianceCells {
     lights.resize(size());
   }
   size_t size() const { return size_t{columns} * rows; }
-  // Returns the rows of cells in which pixels lie, and `around` more on both sides.
+  // Returns the rows of cells that contain these rows of pixels, and `around` more on both sides.
   CellRows rows_of(PixelRows pixels, uint32_t around) const {
     const uint32_t first = pixels.first / cell_side, end = (pixels.end + cell_side - 1) / cell_side;
     return {first - std::min(first, around), std::min(end + around, rows)};

@@ -6,9 +6,9 @@ namespace sideray::rt {
 namespace {
 
 constexpr int32_t smooth_steps = 2, light_steps = wall_steps;
-constexpr uint32_t rings_of_pixels = 2;  // of cells that a pixel reads about its own
+constexpr uint32_t rings_of_pixels = 2;  // of cells around its own that a pixel reads
 
-// How many rows beside those that are written a pass has to get right: what later ones read.
+// Returns the number of rows around the written ones that a pass must compute for later passes.
 constexpr uint32_t read_after(int32_t pass, int32_t passes, uint32_t read_in_the_end) {
   for (int32_t later = pass + 1; later < passes; ++later) read_in_the_end += 1u << later;
   return read_in_the_end;
@@ -22,7 +22,7 @@ constexpr uint32_t read_after_smooth(int32_t pass) {
 
 }  // namespace
 
-// Calls work(where a block of cells begins in the table) for those of the rows.
+// Calls work(index of the block in the table) for each block of cells in the rows.
 template <typename Work>
 void IrradianceFilter::for_blocks(CellRows rows, Executor& executor, const Work& work) const {
   executor.run(rows.count(), [&](size_t row, uint32_t) {
@@ -41,7 +41,7 @@ void IrradianceFilter::pass(int32_t number, CellRows rows, const IrradianceKerne
   table_.swap_light();
 }
 
-// Takes the control variate off: what the mask of the sky says already.
+// Subtracts the control variate, whose light the sky's mask already contains.
 void IrradianceFilter::take_mean_sky(const IrradianceCells& cells, CellRows rows, Executor& executor) {
   const CellColumns& c = table_.columns();
   executor.run(rows.count(), [&](size_t index, uint32_t) {
@@ -68,7 +68,7 @@ void IrradianceFilter::spread(const Input& in, PixelRows rows, TracedScene& scen
     for (uint32_t x = 0; x < r.width; ++x) {
       const glm::vec4 light = row.light(x);
       uint16_t* texel = &image.light[4 * (y * r.width + x)];
-      // A channel is negative where the mask of the sky, which has one, says too much.
+      // A channel is negative where the one-channel mask of the sky adds too much of it.
       for (int c = 0; c < 3; ++c) texel[c] = signed_half_bits(light[c]);
       texel[3] = half_bits(light.w);
     }
@@ -82,12 +82,12 @@ void IrradianceFilter::apply(const Input& in, PixelRows rows, TracedScene& scene
   const bool denoise = in.request.denoise;
   const auto about = [&](uint32_t around) { return in.cells.rows_of(rows, around); };
   const auto look = [&](int32_t number, uint32_t around) {
-    // Rows below know what stands above them.
+    // Rows below store the walls toward rows above.
     in.walls.look(number, number >= smooth_steps, about(around + (1u << number)), intersector, executor);
   };
   table_.fill(in.cells, about(read_after_smooth(-1)), executor);
   in.walls.begin(in.cells, table_, executor);
-  // The first steps come before the harmonic mean distance is known.
+  // The first passes run before the harmonic mean distance is known.
   for (int32_t number = 0; number < smooth_steps; ++number) look(number, read_after_smooth(number));
   for (int32_t number = 0; denoise && number < smooth_steps; ++number)
     smooth(number, about(read_after_smooth(number)), kernels, executor);

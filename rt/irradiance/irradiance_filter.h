@@ -1,8 +1,8 @@
-// Takes the noise out of the light in a picture's cells, and spreads it over the pixels. An edge-avoiding wavelet filter
-// (Dammertz et al. 2010, "Edge-Avoiding A-Trous Wavelet Transform for fast Global Illumination Filtering") over cells of one
-// plane, which reads no farther than the light may be taken for equal: in proportion to the harmonic mean of the distances of
-// what throws it (Ward et al. 1988, "A Ray Tracing Solution for Diffuse Interreflection"), and not behind a wall. Keeps its
-// memory from frame to frame.
+// Denoises the light in a picture's cells, and interpolates it for pixels. It is an edge-avoiding wavelet filter
+// (Dammertz et al. 2010, "Edge-Avoiding A-Trous Wavelet Transform for fast Global Illumination Filtering") over cells
+// of one plane. It shares light within a distance proportional to the harmonic mean of the distances to the light's
+// origins (Ward et al. 1988, "A Ray Tracing Solution for Diffuse Interreflection"), and not across walls. It reuses its
+// memory every frame.
 #pragma once
 
 #include <span>
@@ -20,14 +20,14 @@ namespace sideray::rt {
 
 class IrradianceFilter {
  public:
-  // The cells of a picture, walls between those of the frame before, which are found anew, and fill_depths() of its pixels.
+  // The cells of a picture; walls of the previous frame, which are updated; and fill_depths() of its pixels.
   struct Input {
     const IrradianceRequest& request;
     const IrradianceCells& cells;
     CellWalls& walls;
     std::span<const float> depths;
   };
-  // Writes rows of the image's pixels from the cells: the same bits whichever rows are written together, for any thread count.
+  // Writes rows of the image's pixels from the cells, with the same bits for any split into rows and any thread count.
   void apply(const Input& input, PixelRows rows, TracedScene& scene, IrradianceImage& image);
 
  private:
@@ -39,7 +39,7 @@ class IrradianceFilter {
   void spread(const Input& input, PixelRows rows, TracedScene& scene, IrradianceImage& image);
 
   CellTable table_;
-  std::vector<PixelRow> rows_;  // of each thread
+  std::vector<PixelRow> rows_;  // one a thread
 };
 
 }  // namespace sideray::rt

@@ -10,7 +10,7 @@
 namespace sideray::rt {
 namespace {
 
-constexpr float most_samples_moving = 8.0f;  // what something that moves threw light on has to follow
+constexpr float most_samples_moving = 8.0f;  // for cells lit by something that moves, which must follow it
 constexpr float same_facing = 0.9f;  // cosine
 
 }  // namespace
@@ -83,7 +83,7 @@ void IrradianceHistory::look_back(size_t tile, const std::vector<glm::u16vec2>& 
       const size_t then = size_t{from / width_ / cell_side} * cells.columns + from % width_ / cell_side;
       CellPlace was = before_.places[then];
       was.position += moved_;
-      // The pixel of the cell that was traced may show another surface than the one found.
+      // The cell's traced pixel may have shown another surface than the one found.
       if (glm::dot(was.normal, place.normal) < same_facing || !(plane_share(was, place.position) > 0.0f)) continue;
       cells.lights[cell] = before_.lights[then];
       cells.lights[cell].samples = std::min(cells.lights[cell].samples, counted_);
@@ -153,7 +153,7 @@ bool IrradianceHistory::carry(glm::uvec2 pixel) {
   const size_t then = size_t{from / width_ / cell_side} * after_.columns + from % width_ / cell_side;
   CellPlace was = before_.places[then];
   was.position += moved_;
-  // The pixel of the cell that was traced may have shown another surface.
+  // The cell's traced pixel may have shown another surface.
   const double depth = trail_.depths()[size_t{pixel.y} * width_ + pixel.x];
   if (!(plane_share(was, glm::vec3(camera.origin_at(pixel) + depth * camera.ray_at(pixel))) > 0.0f)) return false;
   const size_t cell = size_t{pixel.y / cell_side} * after_.columns + pixel.x / cell_side;

@@ -22,23 +22,23 @@ namespace sideray::rt {
 
 class IrradianceHistory {
  public:
-  // Learns of a frame. One that follows none, or another light, material or surrounding, leaves nothing. One that stands for the
-  // last one (`again`) knows what that knew.
+  // Begins a frame. The history is reset if the frame does not continue the sequence, or lights, materials or
+  // surroundings changed. A redrawn frame (`again`) has the history of the frame that it replaces.
   void begin(const IrradianceRequest& request, TracedScene& scene);
-  // Nothing is known any longer.
+  // Resets the history.
   void forget() { known_ = false; }
 
-  // Returns whether the frame adds nothing: the view has stood still, with nothing that moves, until each cell had all samples
-  // that are counted. What was shown is what is to be shown.
+  // Returns whether the frame needs no samples, because view and scene have been at rest until every cell had its
+  // maximum of samples. The last image is then shown again.
   bool is_settled() const { return settled_; }
-  // Returns how many frames the sequence has, this one included, since something was known last.
+  // Returns the number of frames, this one included, since the history was reset.
   uint32_t frame() const { return number_; }
-  // In which frame each tile was traced last, 0 = never.
+  // Returns the frame that last traced each tile, 0 = none.
   const std::vector<uint32_t>& turns() const { return turns_; }
   void traced(size_t tile);
-  // Whether the frame stands for the last one: then its cells are none of the history's.
+  // Returns whether the frame is redrawn; then its cells do not enter the history.
   bool stands_for_last() const { return again_; }
-  // The frame's cells, to be filled, and walls between those of the frame before until the filter finds them anew.
+  // Return the frame's cells, to be filled, and the walls of the previous frame until the filter updates them.
   IrradianceCells& cells() { return after_; }
   CellWalls& walls() { return walls_; }
   // As fill_depths() finds them.
@@ -49,8 +49,8 @@ class IrradianceHistory {
     std::vector<uint32_t> cells;
     std::vector<uint8_t> occluded;
   };
-  // Writes what is known of the cells of a tile whose places are known: no samples where nothing is, or where something stands
-  // between the place and the one that is known.
+  // Writes the history of a tile's cells, whose places must be set: no samples if there is none, or if something stands
+  // between the place and its previous one.
   void look_back(size_t tile, const std::vector<glm::u16vec2>& pixels, const Intersector& intersector, Scratch& scratch,
                  IrradianceCells& cells) const;
 
@@ -59,7 +59,7 @@ class IrradianceHistory {
   TileRows next_rows(const WorkTime& work) const;
   // How many rows there is time for, at least one where one is to be traced in any case.
   uint32_t rows_in(const WorkTime& work) const;
-  // Learns how long rows took.
+  // Notes how long rows took.
   void took(double ms, uint32_t rows);
   // Puts the cells into this frame: fills them with what is known of the surface that they show, places included.
   void carry_cells(const IrradianceRequest& request, Executor& executor);
@@ -69,9 +69,9 @@ class IrradianceHistory {
   // Rows of tiles of a position of a still view that are filtered, of those that are traced.
   uint32_t filtered_rows = 0;
 
-  // The frame is settled: what was known before is known after it.
+  // Ends a settled frame: the history stays unchanged.
   void keep();
-  // The frame's cells are what is known after it.
+  // Ends the frame: its cells become the history.
   void end();
 
  private:
@@ -79,7 +79,7 @@ class IrradianceHistory {
   void begin_cells(const IrradianceRequest& request, Executor& executor);
   bool carry(glm::uvec2 pixel);
 
-  static constexpr uint32_t most_samples = 32;  // more say little more
+  static constexpr uint32_t most_samples = 32;  // further samples change little
 
   bool settled_ = false, known_ = false, follows_ = false;
   bool in_parts_ = false;     // the image is carried, the cells only where rows are traced
@@ -87,8 +87,8 @@ class IrradianceHistory {
   bool changed_ = false;      // something may have moved since the cells' frame
   float counted_ = 0.0f;      // samples that are counted at most
   bool stands_still_ = false;
-  std::vector<uint8_t> turns_at_rest_;  // of each tile, since something moved
-  double row_ms_ = 0.0;  // of a row of tiles; 0: not known yet
+  std::vector<uint8_t> turns_at_rest_;  // by tile: frames that traced it since something moved
+  double row_ms_ = 0.0;  // time of a row of tiles; 0: not known yet
   std::shared_ptr<const model::Snapshot> posed_;
   uint32_t width_ = 0, height_ = 0, number_ = 0;
   bool shadows_ = false;

@@ -1,8 +1,8 @@
-// Compiled once for each instruction set (sideray_lanes() in rt/CMakeLists.txt; rt/base/lanes.h).
-// Any thread may call them.
+// Is compiled once for each instruction set (sideray_lanes() in rt/CMakeLists.txt; rt/base/lanes.h). Any thread may
+// call the kernels.
 //
-// An edge-avoiding a-trous wavelet filter with the 3x3 kernel of the linear B-spline: rt/irradiance/irradiance_filter.h says
-// what its edges are.
+// The filter is an edge-avoiding a-trous wavelet filter with the 3x3 kernel of the linear B-spline;
+// rt/irradiance/irradiance_filter.h explains its edges.
 #include "rt/base/lane_reads.h"
 #include "rt/irradiance/irradiance_kernels.h"
 
@@ -10,11 +10,11 @@ namespace sideray::rt::SIDERAY_LANES {
 
 constexpr float pixels_a_cell = 2.0f;  // along each side
 constexpr float reach = 0.5f;          // of the harmonic mean distance
-constexpr float least_reach = 8.0f;    // widths of a pixel: noise is worse than what may leak so far
-constexpr float wall_margin = 2.0f;    // few of the paths meet what is near where it is nearest
-constexpr float same_normal = 0.8f;    // cosine, where a cell is of no use to another
-constexpr float off_plane = 2.0f;      // widths of a pixel, at which a position is on another plane
-constexpr float least_share = 0.5f, whole_share = 0.99f;  // of a plane
+constexpr float least_reach = 8.0f;    // widths of a pixel: noise is worse than light that leaks so far
+constexpr float wall_margin = 2.0f;    // because few paths hit an occluder at its nearest point
+constexpr float same_normal = 0.8f;    // cosine, at which cells share no light
+constexpr float off_plane = 2.0f;      // widths of a pixel: a position so far away is on another plane
+constexpr float least_share = 0.5f, whole_share = 0.99f;  // how well a position lies on a plane
 constexpr float spline[3] = {0.25f, 0.5f, 0.25f};
 
 SIDERAY_LANE real3 load_any(float* const (&values)[3], int32_t at) {
@@ -40,30 +40,30 @@ SIDERAY_LANE Cell cell_at(const CellColumns& c, int32_t at) {
   return {load_any(c.position, at), load_any(c.normal, at), load_any(c.width + at)};
 }
 
-// 1 / the distance off the plane of cells at which others that many cells away are on another surface: a pixel's width for
-// each pixel that they are apart.
+// Returns 1 / the distance from the plane at which cells that far apart are on another surface: a pixel's width for
+// each pixel between them.
 SIDERAY_LANE real off_plane_scale(real width, float cells) {
   return 1.0f / (width * (pixels_a_cell * cells));
 }
 
-// How much cells may take the light of others for their own: 1 on the same plane, 0 on another surface.
+// Returns how much of their light cells share: 1 on the same plane, 0 on another surface.
 SIDERAY_LANE real likeness(real3 normal, real3 normal_there, real3 apart, real scale) {
   const real off = abs(dot(normal, apart)) * scale;
   const real turned = (dot(normal, normal_there) - same_normal) * (1.0f / (1.0f - same_normal));
   return max(1.0f - off, real(0.0f)) * max(turned, real(0.0f));
 }
 
-// The most that nearness counts as at cells of that width.
+// Returns the upper limit of nearness for cells of that width.
 SIDERAY_LANE real most_nearness(real width) {
   return 1.0f / (least_reach * width);
 }
 
-// How much of the light at a cell is that of another at a distance, by how near what throws it is: 1 to 0.
+// Returns how much light a cell shares with another at a distance, 1 to 0, by the nearness of the light's origins.
 SIDERAY_LANE real nearby(real most, real nearness, real nearness_there, real distance) {
   return max(1.0f - distance * min(max(nearness, nearness_there) * (1.0f / reach), most), real(0.0f));
 }
 
-// Whether anything may stand as near to a cell as the root of `squared`.
+// Returns whether an occluder may be as near to a cell as the root of `squared`.
 SIDERAY_LANE boolean is_near(real most_near, real squared) {
   const real share = wall_margin * most_near;
   return squared * share * share > 1.0f;
@@ -73,12 +73,13 @@ SIDERAY_LANE boolean is_open(integer walls, int32_t bit) {
   return integer(walls.v & bit) == 0;
 }
 
-// The bit of a forward way.
+// Returns the bit of a forward direction.
 SIDERAY_LANE int32_t wall_bit(int32_t number, int32_t i, int32_t j) {
   return 1 << (wall_ways * number + (j == 0 ? 0 : i + 2));
 }
 
-// Calls visit(place, which, weight, distance) for the cells and those about them, 1 << number apart, whose light may be theirs.
+// Calls visit(index, lanes, weight, distance) for the cells themselves and those around, 1 << number apart, that may
+// share light.
 template <typename Visit>
 SIDERAY_LANE void for_taps(const CellColumns& c, int32_t at, int32_t number, const Visit& visit) {
   const int32_t step = 1 << number;
@@ -169,15 +170,15 @@ void ask_for_walls(const CellColumns& c, int32_t first, int32_t number, bool by_
   }
 }
 
-// What is known of a pixel's plane: the normal of the cell that shows it, the nearest one, else the one whose plane is nearest.
+// Describes a pixel's plane: the normal of the nearest cell that shows it, else of the cell whose plane is nearest.
 struct Plane {
   real3 normal;
   boolean known;
   real shares[9];    // how well the pixel lies on the planes of the cells around
-  boolean drawn[9];  // which of these show anything
+  boolean drawn[9];  // which of these have a surface
 };
 
-// `away`: of the pixels from the middle of their cells, in cells.
+// `away`: offset of the pixels from the middle of their cells, in cells.
 SIDERAY_LANE void find_plane(const CellColumns& c, int32_t at, real3 position, float away_x, float away_y, Plane& plane) {
   plane.normal = {real(0.0f), real(0.0f), real(0.0f)};
   plane.known = none();
@@ -197,7 +198,7 @@ SIDERAY_LANE void find_plane(const CellColumns& c, int32_t at, real3 position, f
   }
 }
 
-// Which pixels light may reach from a neighbour of their own cell, where it reaches that: no wall stands between the two.
+// Returns which pixels a neighbour of their own cell may light: no wall stands between the two cells.
 SIDERAY_LANE boolean is_reached(const CellColumns& c, int32_t at, int32_t i, int32_t j) {
   const bool forward = j > 0 || (j == 0 && i > 0);
   const integer walls = load_any(c.walls + (forward ? at : at + j * c.stride + i));

@@ -28,10 +28,10 @@ constexpr uint32_t tile_size = DepthPoints::tile_size;
 constexpr uint32_t cells_across = tile_size / cell_side;
 constexpr uint32_t sample_purpose = 60, path_purpose = 63;
 constexpr uint32_t sky_purpose = 64;
-constexpr float blur_of_sky = 0.25f;  // roughness of the lobe that the sky's colour is averaged over
+constexpr float blur_of_sky = 0.25f;  // roughness of the lobe that averages the sky's colour
 constexpr float least_along = 1e-4f;  // squared, of a direction
 constexpr float rounding = 0x1p-21f;  // of coordinates in floats
-constexpr uint32_t read_around = 2;  // tiles that the filter reads beside one
+constexpr uint32_t read_around = 2;  // tiles that the filter reads around one
 
 FrameKey key_of(const IrradianceRequest& r) {
   struct Inputs {
@@ -41,7 +41,7 @@ FrameKey key_of(const IrradianceRequest& r) {
   return frame_key(r, bytes_through(&Inputs::exact, inputs));
 }
 
-// Calls visit(cell) for the cells of the tile that begins at a pixel.
+// Calls visit(cell) for the cells of the tile that starts at a pixel.
 template <typename Visit>
 void for_cells_of_tile(const IrradianceCells& cells, uint32_t x0, uint32_t y0, const Visit& visit) {
   for (uint32_t y = y0 / cell_side; y < std::min(y0 / cell_side + cells_across, cells.rows); ++y)
@@ -71,7 +71,9 @@ struct IrradianceTracing::Worker {
   std::vector<float> nearness;
   std::vector<Ray> sky_rays, clear_rays;
   std::vector<float> sky_weights;
-  std::vector<glm::vec3> directions, normals, sky_light, whole_sky;  // of sky_rays; and of the whole sky at the cells
+  std::vector<glm::vec3> directions, normals, sky_light, whole_sky;  // directions of sky_rays, normals there, the sky's
+                                                                     // light from there; and of the whole sky at the
+                                                                     // cells
   std::vector<uint8_t> hidden;
   std::vector<uint32_t> seen_cells;  // of `cells`, those that see the sky
   Veils veils;
@@ -97,20 +99,20 @@ struct IrradianceTracing::Frame {
   uint32_t columns;
   const FrameCamera& camera;
   EnvironmentLanes environment;
-  const SkyDirections* sky;  // null: black, or of one colour with nothing before it
-  bool veiled;               // something translucent is before it
+  const SkyDirections* sky;  // null: it is black, or of one colour with nothing translucent in front
+  bool veiled;               // something translucent is in front of the sky
 };
 
 IrradianceTracing::IrradianceTracing(uint32_t threads) : workers_(threads) {}
 IrradianceTracing::~IrradianceTracing() = default;
 
-// Chooses the pixel of each cell, another one in each frame, and finds what it shows.
+// Chooses the pixel of each cell, a different one in each frame, and finds its surface.
 void IrradianceTracing::find_places(const Frame& f, Worker& w, uint32_t tile) {
   w.rays.clear(), w.cells.clear();
   for_cells_of_tile(f.cells, tile % f.columns * tile_size, tile / f.columns * tile_size, [&](size_t cell) {
     f.cells.places[cell] = {}, f.cells.lights[cell] = {};
     const auto column = static_cast<uint32_t>(cell % f.cells.columns), row = static_cast<uint32_t>(cell / f.cells.columns);
-    const uint32_t wanted = f.seed + column + row;  // neighbours take others
+    const uint32_t wanted = f.seed + column + row;  // neighbouring cells choose different pixels
     for (uint32_t i = 0; i < cell_side * cell_side; ++i) {
       const uint32_t pixel = (wanted + i) % (cell_side * cell_side);
       const uint32_t x = column * cell_side + pixel % cell_side, y = row * cell_side + pixel / cell_side;
@@ -126,8 +128,9 @@ void IrradianceTracing::find_places(const Frame& f, Worker& w, uint32_t tile) {
   if (!w.cells.empty()) guess_places(f, w, tile);
 }
 
-// Where no pixel beside it shows a surface too, the depth does not say how it is tilted, and paths that skip what is near would
-// pass through a thin wall: a ray of the eye says it. Leaves those cells whose ray meets something else than is drawn there.
+// Places cells by primary rays: if no neighbouring pixel shows the same surface, the depth buffer does not tell its
+// tilt, and paths that skip near hits would pass through a thin wall. Keeps the cells whose ray hits something else
+// than the drawn surface.
 void IrradianceTracing::meet_places(const Frame& f, Worker& w) {
   w.met.resize(w.rays.size());
   f.intersector.nearest_opaque(w.rays, true, w.met.data(), OpaqueSet::all, {}, true);
@@ -155,7 +158,7 @@ void IrradianceTracing::meet_places(const Frame& f, Worker& w) {
   w.cells.resize(unmet);
 }
 
-// Takes the places of the cells that are left from the depth buffer alone.
+// Places the remaining cells by the depth buffer alone.
 void IrradianceTracing::guess_places(const Frame& f, Worker& w, uint32_t tile) {
   const uint32_t x0 = tile % f.columns * tile_size, y0 = tile / f.columns * tile_size;
   const PointTile& points = w.depth_points.gather(depth_request(f.request), f.view, x0, y0);
@@ -171,8 +174,8 @@ void IrradianceTracing::guess_places(const Frame& f, Worker& w, uint32_t tile) {
   });
 }
 
-// Finds what the mask of the sky, which has one channel, says wrong: of the light of each direction that is seen, by how much its
-// colour differs from that of all the sky's light.
+// Computes the error of the sky's one-channel mask: for each visible direction, the difference between the colour of
+// its light and that of the whole sky.
 void IrradianceTracing::see_sky(const Frame& f, Worker& w) {
   w.sky_rays.clear(), w.sky_weights.clear(), w.directions.clear(), w.normals.clear();
   for (size_t i = 0; i < w.cells.size(); ++i) {
@@ -204,7 +207,7 @@ void IrradianceTracing::see_sky(const Frame& f, Worker& w) {
   for (const uint32_t i : w.seen_cells) w.samples[i].light += w.samples[i].tint * w.samples[i].open;
 }
 
-// Adds the colour of what is translucent before the sky: in the mask it counts by the mean of its channels.
+// Adds the colour of translucent surfaces in front of the sky; the mask contains only the mean of their channels.
 void IrradianceTracing::see_through_veils(const Frame& f, Worker& w) {
   w.clear_rays.clear();
   for (const uint32_t i : w.seen_cells) w.clear_rays.push_back(w.sky_rays[i]);
@@ -217,13 +220,13 @@ void IrradianceTracing::see_through_veils(const Frame& f, Worker& w) {
   }
 }
 
-// Finds the places of a tile's cells, and what is known of them.
+// Finds the places of a tile's cells, and their history.
 void IrradianceTracing::prepare(const Frame& f, Worker& w, uint32_t tile) {
   find_places(f, w, tile);
   if (f.history) f.history->look_back(tile, pixels_, f.intersector, w.looking_back, f.cells);
 }
 
-// The places of the tile were found just before.
+// The places of the tile must be set.
 TraceEnd IrradianceTracing::trace_tile(const Frame& f, Worker& w, uint32_t tile) {
   const IrradianceRequest& r = f.request;
   const uint32_t x0 = tile % f.columns * tile_size, y0 = tile / f.columns * tile_size;
@@ -278,7 +281,7 @@ void IrradianceTracing::count_left(const Frame& f, Worker& w, uint32_t tile) {
   w.counters.frames_waiting = std::max(w.counters.frames_waiting, waits);
 }
 
-// Goes on with what is known, without a ray.
+// Shows the last image again, without rays.
 Counters IrradianceTracing::keep(IrradianceHistory& history, const IrradianceRequest& r) {
   history.keep();
   Counters counters;
@@ -330,7 +333,7 @@ TileRows IrradianceTracing::trace_rows(const Frame& f, Executor& executor, Irrad
   return chosen;
 }
 
-// Traces tiles that the position lacks. Once it lacks none, returns rows that are to be filtered; none before.
+// Traces tiles that the position lacks. Once all are traced, returns rows to filter; before, none.
 TileRows IrradianceTracing::trace_position(const Frame& f, Executor& executor) {
   const IrradianceRequest& r = f.request;
   IrradianceHistory& history = *f.history;
@@ -413,7 +416,7 @@ Counters IrradianceTracing::trace_frame(const IrradianceRequest& r, TracedScene&
   if (r.denoise) sum.denoise_ms = filtering.ms();
   if (in_parts && filters) history->took(of_position ? filtering.ms() : tracing.ms(), rows.end - rows.first);
   if (!of_position) return sum;
-  // It is shown when all of its rows are filtered.
+  // The position is shown when all of its rows are filtered.
   image.changed = filters && rows.end == all.end;
   if (rows.end < all.end) sum.frames_waiting = std::max<uint64_t>(sum.frames_waiting, r.position_frames);
   return sum;

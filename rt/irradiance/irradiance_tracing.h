@@ -1,5 +1,6 @@
-// Traces the light that other surfaces throw on a frame's opaque pixels: one path from one pixel of each cell of 2x2, added up
-// over frames and filtered. Keeps its memory from frame to frame. One call at a time. Pixels: row 0 is the bottom row.
+// Traces the light that other surfaces reflect onto a frame's opaque pixels: one path from one pixel of each cell of
+// 2x2, accumulated over frames and filtered. It reuses its memory every frame. One call at a time. Row 0 of pixels is
+// the bottom row.
 #pragma once
 
 #include <vector>
@@ -18,11 +19,11 @@ class IrradianceTracing {
  public:
   explicit IrradianceTracing(uint32_t threads);
   ~IrradianceTracing();
-  // Throws Failure.
+  // Traces `request` into `image`. Throws Failure.
   Counters trace(const IrradianceRequest& request, TracedScene& scene, IrradianceImage& image);
 
  private:
-  struct Worker;  // memory of one thread, kept from frame to frame
+  struct Worker;  // scratch memory of one thread
   struct Frame;
   void find_places(const Frame& frame, Worker& worker, uint32_t tile);
   void prepare(const Frame& frame, Worker& worker, uint32_t tile);
@@ -40,8 +41,8 @@ class IrradianceTracing {
   TileRows trace_position(const Frame& frame, Executor& executor);
 
   std::vector<Worker> workers_;
-  std::vector<glm::u16vec2> pixels_;  // of each cell, the one that is traced
-  // Of a frame without history.
+  std::vector<glm::u16vec2> pixels_;  // by cell: the traced pixel
+  // For a frame without history:
   IrradianceCells cells_;
   CellWalls walls_;
   std::vector<float> depths_;

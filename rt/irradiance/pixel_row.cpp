@@ -6,17 +6,17 @@
 namespace sideray::rt {
 namespace {
 
-constexpr float least_share = 0.5f, whole_share = 0.99f;  // of a plane
+constexpr float least_share = 0.5f, whole_share = 0.99f;  // how well a position lies on a plane
 constexpr float same_normal = 0.8f;                       // cosine
-constexpr int most_rings = 2;                             // of cells about a pixel's own
+constexpr int most_rings = 2;                             // of cells around a pixel's own
 
-// A pixel's place in the picture, in cells.
+// Returns a pixel's position in the picture, in cells.
 glm::vec2 place_of(uint32_t x, uint32_t y) {
   return (glm::vec2(x, y) + 0.5f) / static_cast<float>(cell_side);
 }
 
-// Calls visit(cell, way, bit) for the cells up to `ring` away from a pixel's own that show something: the way there in cells, and a
-// bit of their own.
+// Calls visit(cell, way, bit) for the cells with a surface up to `ring` away from a pixel's own: the offset in cells,
+// and the cell's bit.
 template <typename Visit>
 void for_cells_about(const IrradianceCells& cells, uint32_t x, uint32_t y, int ring, const Visit& visit) {
   const int own_x = static_cast<int>(x / cell_side), own_y = static_cast<int>(y / cell_side);
@@ -40,7 +40,7 @@ PixelColumns PixelRow::HalfRow::at(size_t cell) {
   return columns;
 }
 
-// Finds where the row's pixels lie.
+// Computes the positions of the row's pixels.
 void PixelRow::locate(const FrameCamera& camera, const float* depths, uint32_t width) {
   const size_t count = (width / cell_side / cells_at_once + 1) * cells_at_once;
   for (HalfRow& half : halves_) {
@@ -58,7 +58,7 @@ void PixelRow::locate(const FrameCamera& camera, const float* depths, uint32_t w
   }
 }
 
-// Gives the pixels their light that have no questions.
+// Interpolates the light of pixels that need no rays.
 void PixelRow::spread(const CellsToSpread& from, const IrradianceKernels& kernels, uint32_t width) {
   lights_.resize(width);
   pixels_.clear();
@@ -81,7 +81,7 @@ void PixelRow::spread(const CellsToSpread& from, const IrradianceKernels& kernel
   }
 }
 
-// Looks for the nearest cell that shows the pixel's plane, else the one whose plane is nearest.
+// Finds the nearest cell that shows the pixel's plane, else the one whose plane is nearest.
 void PixelRow::find_plane(const CellsToSpread& from, Pixel& pixel, glm::vec3 to_eye) {
   pixel.normal = to_eye;
   const size_t own = size_t{y_ / cell_side} * from.cells.columns + pixel.x / cell_side;
@@ -102,8 +102,8 @@ void PixelRow::find_plane(const CellsToSpread& from, Pixel& pixel, glm::vec3 to_
   });
 }
 
-// Asks whether something hides its own cell from one of pixels_. Where it does not, the walls between that and those around
-// tell what is hidden; returns whether the pixel's own cell is of use at all.
+// Adds a ray that tests whether something occludes a pixel's own cell. If not, that cell's walls tell which cells
+// around are occluded. Returns whether the own cell is usable at all.
 bool PixelRow::ask_own(const CellsToSpread& from, uint32_t number) {
   Pixel& pixel = pixels_[number];
   bool is_used = false;
@@ -114,7 +114,7 @@ bool PixelRow::ask_own(const CellsToSpread& from, uint32_t number) {
   return is_used;
 }
 
-// Asks the same of the cells around, for a pixel that its own cell tells nothing.
+// Adds rays to the cells around, for a pixel whose own cell is not usable.
 void PixelRow::ask_around(const CellsToSpread& from, uint32_t number, int ring) {
   const Pixel& pixel = pixels_[number];
   for_cells_about(from.cells, pixel.x, y_, ring, [&](size_t cell, glm::vec2, uint32_t bit) {
@@ -183,7 +183,7 @@ void PixelRow::find(const FrameCamera& camera, const CellsToSpread& from, const 
   for (const Pixel& pixel : pixels_) lights_[pixel.x] = mean_light(from, pixel);
 }
 
-// What is hidden from the pixel's own cell is hidden from it.
+// Marks cells as occluded that are occluded from the pixel's own cell.
 void PixelRow::hide_behind_walls(const CellsToSpread& from, Pixel& pixel) const {
   const size_t own = size_t{y_ / cell_side} * from.cells.columns + pixel.x / cell_side;
   for_cells_about(from.cells, pixel.x, y_, 1, [&](size_t cell, glm::vec2, uint32_t bit) {
@@ -191,7 +191,7 @@ void PixelRow::hide_behind_walls(const CellsToSpread& from, Pixel& pixel) const 
   });
 }
 
-// The mean of the cells that are of most use.
+// Returns the mean of the most usable cells.
 glm::vec4 PixelRow::mean_light(const CellsToSpread& from, const Pixel& pixel) const {
   const float beyond = 1.5f * static_cast<float>(pixel.rings);
   Use most = Use::none;

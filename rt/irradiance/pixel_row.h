@@ -1,5 +1,5 @@
-// Gives a row of pixels the light of the cells about them: of those on their surface that nothing hides from them. Most take
-// it from the cells around without a question, in lanes. Keeps its memory from row to row; one object per thread.
+// Interpolates the light of cells for a row of pixels, from cells on their surface that nothing occludes. Most pixels
+// use the cells around without a test, in lanes. It reuses its memory for every row; one object per thread.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace sideray::rt {
 
-// What pixels are given: cells, what stands near them, and their light.
+// Refers to the inputs: cells, walls near them, and their light.
 struct CellsToSpread {
   const IrradianceCells& cells;
   const CellWalls& walls;
@@ -23,29 +23,29 @@ struct CellsToSpread {
 
 class PixelRow {
  public:
-  // Takes the row `y` of a picture by its depths, 0 = nothing is drawn.
+  // Processes row `y` of a picture, given its depths, 0 = no surface.
   void find(const FrameCamera& camera, const CellsToSpread& from, const Intersector& intersector, const float* depths,
             uint32_t width, uint32_t y);
-  // Returns the light of a pixel, and 1; 0 where there is none.
+  // Returns the light of a pixel, and 1; 0 without light.
   glm::vec4 light(uint32_t x) const { return lights_[x]; }
 
  private:
-  // Cells about a pixel that are of use to it.
+  // How a cell around a pixel can be used.
   enum class Use { none, other_side, other_plane, same_plane };
   struct Pixel {
     uint32_t x;
     glm::vec3 position{0.0f};
-    glm::vec3 normal{0.0f};  // of the cell that shows its plane; where there is none the way to the eye
-    int rings = 1;           // of cells about it that count
+    glm::vec3 normal{0.0f};  // of the cell that shows its plane; otherwise the direction to the eye
+    int rings = 1;           // of cells around it that are used
     bool has_plane = false;
-    bool by_own = false;  // its own cell shows its plane, and nothing hides that from it
-    uint32_t hidden = 0;  // a bit for each of the cells about it that are behind something
+    bool by_own = false;  // its own cell shows its plane and is not occluded
+    uint32_t hidden = 0;  // one bit for each cell around it that is occluded
   };
-  // A ray from one of pixels_ to a cell.
+  // Describes a ray from one of pixels_ to a cell.
   struct Question {
     uint32_t pixel, hidden;
   };
-  // Pixels of every second column, the first of them 0 or 1.
+  // Holds the pixels of every second column, starting with column 0 or 1.
   struct HalfRow {
     std::vector<float> position[3], depth, light[3];
     PixelColumns at(size_t cell);
@@ -65,7 +65,7 @@ class PixelRow {
   uint32_t y_ = 0;
   HalfRow halves_[2];
   std::vector<glm::vec4> lights_;
-  std::vector<Pixel> pixels_;  // those that have questions
+  std::vector<Pixel> pixels_;  // pixels that need rays
   std::vector<Ray> rays_;
   std::vector<Question> questions_;
   std::vector<uint8_t> occluded_;

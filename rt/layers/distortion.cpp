@@ -28,7 +28,7 @@ bool DistortionSink::meet(uint32_t pixel, const SurfacePoint& point, const RayHi
   return false;
 }
 
-// Does the same as shaders/translucent/raster_distort_picture.frag.glsl does for the rasterizer's picture.
+// Does what shaders/translucent/raster_distort_picture.frag.glsl does for the rasterizer's picture.
 OpaqueTexel distorted(const std::vector<OpaqueTexel>& picture, uint32_t width, uint32_t x, uint32_t y,
                       const PixelOffset& offset) {
   const OpaqueTexel& plain = picture[size_t{y} * width + x];

@@ -1,5 +1,5 @@
-// Distorts the picture behind translucent surfaces in screen space, along rays, as gl/passes/distortion_pass.cpp draws
-// it. Several threads may work on different pixels.
+// Distorts the picture behind translucent surfaces in screen space, by rays, with the same result as
+// gl/passes/distortion_pass.cpp. Several threads may work on different pixels.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -12,14 +12,14 @@
 
 namespace sideray::rt {
 
-// Holds what a pixel sees behind its translucent surfaces, in two estimates.
+// Holds what is behind a pixel's translucent surfaces, in two estimates.
 struct OpaqueTexel {
   glm::vec3 radiance[2];
   float coverage;  // 0 = sky
   float depth;     // as ViewRays::depth; infinite for the sky
 };
 
-// Holds how far the surfaces that a pixel sees before the opaque one move what is behind them.
+// Holds how far the translucent surfaces of a pixel shift the picture behind them.
 struct PixelOffset {
   glm::vec2 heights{0.0f};                                 // in heights of the picture: to the right, up
   float nearest = std::numeric_limits<float>::infinity();  // depth of the nearest surface that distorts
@@ -28,10 +28,10 @@ struct PixelOffset {
 // Returns whether anything in the scene distorts.
 bool distorts(const model::Snapshot& snapshot);
 
-// Adds up a chunk's offsets; requests no light.
+// Adds up the offsets of a chunk's pixels; requests no shading.
 class DistortionSink final : public LayerSink {
  public:
-  // `offsets` has one entry a texel of a picture `width` wide.
+  // `offsets` has one entry for each texel of a picture that is `width` wide.
   DistortionSink(const ViewRays& view, uint32_t width, std::vector<PixelOffset>& offsets)
       : view_(view), width_(width), offsets_(offsets) {}
   void begin(std::span<const PixelRequest> pixels) override;
@@ -49,7 +49,7 @@ class DistortionSink final : public LayerSink {
   std::span<const PixelRequest> pixels_;
 };
 
-// Returns what is behind the pixel (x, y) of a picture `width` wide, whose rows run up.
+// Returns the distorted texel of pixel (x, y) of a picture that is `width` wide and starts with its bottom row.
 OpaqueTexel distorted(const std::vector<OpaqueTexel>& picture, uint32_t width, uint32_t x, uint32_t y,
                       const PixelOffset& offset);
 

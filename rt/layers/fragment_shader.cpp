@@ -22,7 +22,7 @@ void FragmentShader::shade_opaque(std::span<const SurfacePoint> points, glm::vec
   batch_.reflect_environment();
   batch_.finish(radiance);
   light_.clear();
-  // Rays of several lights are traced together: the last packet of each light's would be half empty.
+  // Rays of several lights are traced together, because the last packet of each light would be half empty.
   for (size_t i = 0; i < scene_->lights.size(); ++i) {
     light_.gather(batch_, i);
     if (light_.rays() < rays_of_full_packets && i + 1 < scene_->lights.size()) continue;

@@ -1,5 +1,5 @@
-// Shades points as the rasterizer's fragments are: no rays but to lights, and what mirrors is the prefiltered environment.
-// Holds scratch memory: one object per thread.
+// Shades points as the rasterizer shades fragments: rays go only to lights, and mirrors show the prefiltered
+// environment. It has scratch memory: one object per thread.
 #pragma once
 
 #include "rt/light/direct_light.h"
@@ -9,7 +9,7 @@ namespace sideray::rt {
 
 class FragmentShader final : public PointShader {
  public:
-  // The caller keeps both objects. `shadows`: lights are shadowed by rays; `tints`: and tinted by translucent surfaces.
+  // The caller keeps both objects alive. `shadows`: rays shadow the lights; `tints`: translucent surfaces tint them.
   void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tints);
 
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override { shade_opaque(points, radiance); }

@@ -9,14 +9,15 @@
 namespace sideray::rt {
 namespace {
 
-// Pixels of a chunk: enough for full batches of shading, or fewer in a small frame, where most threads would wait for
-// the last chunks. A packet is 16 pixels. Whatever the thread count: the same packets, the same bits.
+// Returns the pixels in a chunk: enough for full batches of shading, but fewer in a small frame, where most threads
+// would wait for the last chunks. A packet is 16 pixels. It does not depend on the thread count, so packets and bits
+// are the same.
 size_t pixels_in_chunk(size_t pixels) {
   constexpr size_t least = 256, most = 1024, wanted_chunks = 64, packet = 16;
   return std::clamp(pixels / wanted_chunks / packet * packet, least, most);
 }
 
-// Returns where chunks begin that hold whole blocks, so that a block is traced in one turn.
+// Returns the first pixels of chunks. `in_blocks`: chunks hold whole blocks, so that a block is traced in one turn.
 std::vector<uint32_t> cut(const std::vector<PixelRequest>& pixels, size_t most, bool in_blocks) {
   const auto same_block = [&](size_t a, size_t b) {
     return pixels[a].x / traced_block == pixels[b].x / traced_block && pixels[a].y / traced_block == pixels[b].y / traced_block;
@@ -103,7 +104,7 @@ TraceEnd FrameChunks::run(const LayerRequest& request, Executor& executor, const
       cancelled = true;
       return;
     }
-    // Threads have parts of the numbers each; where the order counts, each free thread takes the next.
+    // Without an order, threads get ranges of numbers; with one, each free thread takes the next chunk.
     const size_t number = order_.empty() ? numbered : next++, index = order_.empty() ? numbered : order_[number];
     const std::span<const PixelRequest> pixels = chunk(index);
     TraceEnd end = TraceEnd::late;

@@ -1,5 +1,5 @@
-// The pixels of a frame in chunks, which threads trace one by one. One thread at a time; the chunks of a run go to
-// many.
+// Cuts the pixels of a frame into chunks, which threads trace one by one. One thread at a time may call it; a run calls
+// back on many.
 #pragma once
 
 #include <cstddef>
@@ -19,21 +19,21 @@ namespace sideray::rt {
 
 class FrameChunks {
  public:
-  // Gathers the request's pixels and cuts them into chunks. Throws Failure where the request makes no sense.
+  // Gathers the request's pixels and cuts them into chunks. Throws Failure if the request is invalid.
   void gather(const LayerRequest& request, const PixelSelection& selection, Executor& executor);
-  // Returns in which frame pixels were traced last, 0 = some never.
+  // Returns the frame in which the least recently traced of some pixels was traced, 0 = never.
   using LastTurn = std::function<uint32_t(std::span<const PixelRequest>)>;
-  // Lets the chunks of a request under a deadline take turns over frames, the least recently traced first. A frame without
-  // time for more traces only that one: it is cut into parts for several threads.
+  // Makes the chunks of a request under a deadline take turns over frames, the least recently traced first. A frame may
+  // have time for only one chunk, so the first is cut into parts for several threads.
   void take_turns(const LayerRequest& request, const LastTurn& last_turn, Executor& executor);
 
   const FramePixels& frame() const { return frame_; }
   size_t count() const { return starts_.size() - 1; }
   std::span<const PixelRequest> chunk(size_t index) const;
 
-  // Traces a chunk on a thread of the executor, and says whether it came to the end of it.
+  // Traces a chunk on a thread of the executor, and returns whether it was completed.
   using Trace = std::function<TraceEnd(size_t chunk, std::span<const PixelRequest> pixels, uint32_t thread)>;
-  // Returns how many pixels of a chunk that was skipped have no answer.
+  // Returns how many pixels of a skipped chunk have no answer.
   using Leave = std::function<uint64_t(std::span<const PixelRequest> pixels, uint32_t thread)>;
   // Calls `trace` for the chunks, under a deadline in their order, until the request is cancelled or late, and then `leave`,
   // which may be empty: then none of its pixels has an answer. Without time for a single one `trace` may be empty. Returns whether the frame was cancelled, otherwise complete;
@@ -45,9 +45,9 @@ class FrameChunks {
   void cut_first();
 
   FramePixels frame_;
-  std::vector<uint32_t> starts_{0};  // first pixel of each chunk, and behind the last
-  std::vector<uint32_t> order_;  // in which chunks are taken; empty = as they are numbered
-  size_t first_parts_ = 1;       // of the chunk that is taken first
+  std::vector<uint32_t> starts_{0};  // first pixel of each chunk, then the number of pixels
+  std::vector<uint32_t> order_;  // the order in which chunks are taken; empty = by number
+  size_t first_parts_ = 1;       // number of parts of the first chunk
 };
 
 }  // namespace sideray::rt

@@ -35,7 +35,7 @@ void check(const LayerRequest& r, const PixelSelection& selection) {
     fail(SIDERAY_INVALID_ARGUMENT, "stencil_bits {:#x}: give contiguous bits from bit 0, at most 0xff", r.stencil_bits);
 }
 
-// Reads the stencil alone, 0 where there is none.
+// Reads only the stencil; returns 0 if there is none.
 class StencilReader {
  public:
   explicit StencilReader(const DepthImage& image) : image_(image) {
@@ -50,7 +50,7 @@ class StencilReader {
     std::memcpy(&word, image_.texels + y * image_.row_bytes + x * pixel_bytes_ + offset_, sizeof(word));
     return word & 0xffu;
   }
-  // Returns the bits that any pixel has of those from x0 to x1.
+  // Returns the union of the bits of the pixels x0 <= x < x1.
   uint32_t any(uint32_t x0, uint32_t x1, uint32_t y) const {
     uint32_t bits = 0;
     for (uint32_t x = x0; x < x1; ++x) bits |= at(x, y);
@@ -63,7 +63,7 @@ class StencilReader {
   bool has_;
 };
 
-// Walks over tiles; each thread has one of its own.
+// Gathers the pixels of tiles; each thread has its own object.
 class Gatherer {
  public:
   Gatherer(const LayerRequest& request, const PixelSelection& selection, std::vector<PixelRequest>& pixels)
@@ -91,7 +91,7 @@ class Gatherer {
   uint64_t masked = 0, requested = 0;
 
  private:
-  // Returns whether the mask requests layers anywhere in a block; in most of a picture it does not.
+  // Returns whether the mask requests layers anywhere in a block. In most of a picture it does not.
   bool wants_any(uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) const {
     uint32_t stencil = 0, bytes = 0;
     for (uint32_t y = y0; y < y1; ++y) {
@@ -135,9 +135,9 @@ class Gatherer {
     if (pixel.layers > 0) pixels_.push_back(pixel);
   }
 
-  // Lets the traced pixel of a cell also collect layers for (x, y). Only needed if (x, y) sees farther: then the ray
-  // goes on behind the opaque surface of its own pixel, to the depth of (x, y), with the larger of both layer counts. The
-  // surfaces found there serve neighbours only.
+  // Makes the traced pixel of a cell collect layers for (x, y) too, if (x, y) sees farther. Then the ray passes the
+  // opaque surface of its own pixel and ends at the depth of (x, y), with the larger of both layer counts. Surfaces
+  // behind the opaque one serve only neighbours.
   void answer_for(uint32_t x, uint32_t y, PixelRequest& pixel) const {
     const uint32_t layers = wanted(x, y);
     if (layers == 0 || !sees_farther(x, y, pixel.x, pixel.y)) return;
@@ -157,7 +157,7 @@ class Gatherer {
   const LayerRequest& request_;
   const PixelSelection& selection_;
   RatePattern pattern_;
-  bool is_single_ = pattern_.cell_width == 1 && pattern_.cell_height == 1;  // each pixel answers for itself alone
+  bool is_single_ = pattern_.cell_width == 1 && pattern_.cell_height == 1;  // each pixel has its own ray
   StencilReader stencil_;
   bool reads_stencil_;
   std::vector<PixelRequest>& pixels_;
@@ -195,7 +195,7 @@ RatePattern pattern_of(sideray_cache_rate rate) {
   }
 }
 
-// A second wave is of any pixels.
+// A second wave may request any pixels, so it ignores the cache rate.
 PixelSelection selection_of(const CacheRequest& request) {
   return {request.requested_bits != 0 ? RatePattern{} : pattern_of(request.cache_rate), request.requested_bits, true};
 }

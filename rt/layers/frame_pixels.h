@@ -1,5 +1,5 @@
-// Finds the pixels of a frame that are traced and orders them: blocks of 16 inside 32x32 tiles, so that the rays of a
-// packet are neighbours. Any thread may call it.
+// Finds the traced pixels of a frame and orders them: blocks of 16 inside 32x32 tiles, so that a packet's rays are
+// neighbours. Any thread may call it.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@ namespace sideray::rt {
 
 inline constexpr uint32_t traced_block = 4;  // traced pixels along each side of a block
 
-// Describes the pixels that a rate traces: one of each cell of cell_width x cell_height. A checkerboard's cells are two
-// pixels wide and moved by one pixel in odd rows. The traced pixel is the one whose x and y are least.
+// Describes which pixels a rate traces: one of each cell of cell_width x cell_height, the one with the smallest x and
+// y. Checkerboard cells are two pixels wide and shifted by one pixel in odd rows.
 struct RatePattern {
   uint32_t cell_width = 1, cell_height = 1;
   bool staggered = false;
@@ -24,11 +24,12 @@ struct RatePattern {
 };
 RatePattern pattern_of(sideray_cache_rate rate);
 
-// Which of the masked pixels are gathered.
+// Says which masked pixels are gathered.
 struct PixelSelection {
   RatePattern pattern;
   uint32_t requested_bits = 0;  // CacheRequest::requested_bits
-  bool counted = true;          // the mask's values count surfaces; otherwise each asks for as many as there may be
+  bool counted = true;          // true: the mask's values count surfaces; false: each pixel requests as many as
+                                // possible
 };
 PixelSelection selection_of(const CacheRequest& request);
 

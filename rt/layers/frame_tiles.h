@@ -1,4 +1,4 @@
-// Clears tiles of a frame's answers and marks them as changed. One thread calls it; the executor's threads clear.
+// Clears tiles of a frame's results and marks them as changed. One thread calls it; the executor's threads clear.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace sideray::rt {
 
-// Calls clear(first texel of a row, texels) for the rows of every tile that is set in `tiles`, in a plane of one layer.
+// Calls clear(first texel, texel count) for each row of every tile that is set in `tiles`, in a plane of one layer.
 template <typename Clear>
 void for_tile_rows(uint32_t width, uint32_t height, const std::vector<uint8_t>& tiles, Executor& executor,
                    const Clear& clear) {
@@ -26,8 +26,8 @@ void for_tile_rows(uint32_t width, uint32_t height, const std::vector<uint8_t>& 
   });
 }
 
-// Marks the tiles that change: all of a new target, otherwise those with answers now or before. Of those, where `changing`
-// names some, the others stay as they are.
+// Marks the tiles that change: all tiles of a new target, otherwise those with answers now or before. If `changing` is
+// not empty, tiles that it leaves out stay as they are.
 inline void mark_tiles(bool fresh, const std::vector<uint8_t>& tiles, const std::vector<uint8_t>& changing,
                        std::vector<uint8_t>& traced, std::vector<uint8_t>& dirty) {
   dirty.assign(tiles.size(), 1);

@@ -43,7 +43,7 @@ class TruthSink final : public LayerSink {
 };
 
 CacheRequest to_the_last_surface(CacheRequest request) {
-  if (request.mask == SIDERAY_MASK_COUNT) request.mask = SIDERAY_MASK_STENCIL;  // of any count
+  if (request.mask == SIDERAY_MASK_COUNT) request.mask = SIDERAY_MASK_STENCIL;  // whatever the count
   request.max_layers = 0;
   request.step = SIDERAY_STEP_MULTIHIT;
   request.cache_rate = SIDERAY_RATE_FULL;
@@ -55,7 +55,7 @@ std::span<const PixelRequest> chunk_of(const FramePixels& frame, size_t chunk) {
   return std::span(frame.pixels).subspan(first, std::min(pixels_in_check, frame.pixels.size() - first));
 }
 
-// Reorders chunks of pixels in the tracer's order into rows.
+// Sorts the surfaces of chunks, which are in the tracer's order, by texel.
 LayerTruth in_rows(const CacheRequest& request, const FramePixels& frame, const std::vector<ChunkSurfaces>& chunks) {
   const size_t texels = size_t{request.width} * request.height;
   std::vector<const std::vector<glm::uvec2>*> at(texels, nullptr);
@@ -116,7 +116,7 @@ uint64_t count_duplicated(const LayerCache& cache, const LayerTruth& truth) {
       for (size_t i = 0; i < surfaces.size(); ++i) {
         if (surfaces[i].y != cache.surface_id[texel]) continue;
         const float off = std::abs(std::bit_cast<float>(surfaces[i].x) - std::abs(cache.distance[texel]));
-        // Among coplanar surfaces, one that no other layer has taken is preferred.
+        // Among coplanar surfaces it prefers one that no other layer has taken.
         if (best < surfaces.size() && (off > least || (off == least && !taken[best]))) continue;
         best = i;
         least = off;

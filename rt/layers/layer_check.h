@@ -1,5 +1,5 @@
-// Finds all surfaces along the rays of a frame's masked pixels without shading them; layer caches are checked against
-// them. Any thread may call it.
+// Finds all surfaces along the rays of a frame's masked pixels without shading them, to check layer caches against. Any
+// thread may call it.
 #pragma once
 
 #include "rt/layers/layer_request.h"
@@ -7,12 +7,12 @@
 
 namespace sideray::rt {
 
-// Traces what a cache of this request, at any rate, is checked against: as LayerTracing::trace, to the last surface of
-// every masked pixel.
+// Traces the surfaces that a cache of this request, at any rate, is checked against: like LayerTracing::trace, but to
+// the last surface of every masked pixel.
 LayerTruth trace_layer_truth(const CacheRequest& request, TracedScene& scene);
 
-// Counts layers of the cache that hold the same surface of their pixel as another layer. A layer is taken to hold the
-// surface of its id that its distance is nearest to.
+// Counts layers of the cache that repeat a surface of their pixel. A layer stands for the surface with its id whose
+// distance is nearest.
 uint64_t count_duplicated(const LayerCache& cache, const LayerTruth& truth);
 
 }  // namespace sideray::rt

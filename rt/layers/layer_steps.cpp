@@ -8,14 +8,13 @@
 namespace sideray::rt {
 namespace {
 
-// Pixels that request about as many layers share a traversal; requesting more than the last but one costs further
-// rounds.
+// Pixels that request similar numbers of layers share a traversal. Requests above layers_in_round take further rounds.
 constexpr std::array<uint32_t, 8> group_layers{1, 2, 3, 4, 6, 8, 16, most_layers_in_round};
 constexpr uint32_t layers_in_round = 16;
-// A further round starts this share of the distance before the last surface, and skips by the total order what was
-// found before.
+// A further round starts before the last surface, by this share of its distance; the total order tells which surfaces
+// are known.
 constexpr double step_back = 1e-6;
-// This is the epsilon of listing 50-1, which gives no value: a share of the distance, the least that leaves the surface
+// Is the epsilon of listing 50-1, which gives no value: the smallest share of the distance that leaves the surface
 // behind.
 constexpr double listing_epsilon = 1e-6;
 
@@ -35,7 +34,7 @@ uint32_t layers_in_traversal(sideray_step policy, const LayerStep& step, uint32_
 void step_on(sideray_step policy, std::span<const Hit> met, LayerStep& step, Ray& ray) {
   const double distance = step.last.distance;
   if (policy == SIDERAY_STEP_LISTING) {
-    // This follows the listing as printed: the distance is measured from the eye, and is added all the same.
+    // As printed in the listing, the distance is added although it is measured from the eye.
     step.listing_start += static_cast<float>(distance * (1.0 + listing_epsilon));
     ray.t_near = std::max(ray.t_near, step.listing_start);
     return;

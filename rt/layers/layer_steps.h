@@ -1,5 +1,5 @@
-// Moves a ray on from the surfaces that it has hit: the policies of sideray_step. Pure functions; any thread may call
-// them.
+// Advances a ray behind the surfaces that it has hit, by the policies of sideray_step. Pure functions; any thread may
+// call them.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -15,14 +15,14 @@ inline constexpr uint32_t most_layers_in_round = 64;
 
 struct LayerStep {
   Hit last;                    // no_instance: nothing hit yet
-  uint32_t known = 0;          // surfaces hit before that the next traversal hits first
+  uint32_t known = 0;          // known surfaces that the next traversal hits first
   float listing_start = 0.0f;  // Ray.MinT of listing 50-1
 };
 
-// Returns how many surfaces the next traversal searches, those found before included, if `missing` more are requested.
+// Returns how many surfaces the next traversal looks for, known ones included, to find `missing` more.
 uint32_t layers_in_traversal(sideray_step policy, const LayerStep& step, uint32_t missing);
 
-// Returns how many new surfaces of one traversal count.
+// Returns the most new surfaces that one traversal may add.
 inline uint32_t new_layers_in_traversal(sideray_step policy) {
   return policy == SIDERAY_STEP_MULTIHIT ? most_layers_in_round : 1;
 }

@@ -13,7 +13,7 @@ namespace sideray::rt {
 namespace {
 
 constexpr size_t events_in_batch = 512;
-// Rays are reused within a batch: the larger, the more donors, until it no longer fits the processor's cache.
+// Rays are reused within a batch: a larger one has more donors, until it no longer fits the processor's cache.
 constexpr size_t events_that_reuse = 2048;
 
 }  // namespace
@@ -55,7 +55,7 @@ void LayerTracer::start(std::span<const PixelRequest> pixels) {
   const LayerRequest& request = *frame_->request;
   requests_ = pixels;
   kernels_ = &shade_kernels(frame_->intersector->isa().c_str());
-  events_.clear();  // those of a trace that was skipped
+  events_.clear();  // left over from a trace that was skipped
   reuse_.begin(shader_->sharing() ? request.ray_reuse : 0.0f);
   states_.resize(pixels.size());
   active_.resize(pixels.size());
@@ -73,7 +73,7 @@ void LayerTracer::start(std::span<const PixelRequest> pixels) {
     aim(pixels.subspan(first, std::min<size_t>(ViewRays::Block::size, pixels.size() - first)), &states_[first]);
 }
 
-// Sets rays and cones of up to a block of pixels; the last one fills the lanes that are left over.
+// Sets rays and cones of up to a block of pixels; the last pixel fills unused lanes.
 void LayerTracer::aim(std::span<const PixelRequest> pixels, PixelState* states) {
   const LayerRequest& request = *frame_->request;
   const bool has_depth = !frame_->ends && request.depth.texels;
@@ -113,7 +113,7 @@ void LayerTracer::traverse_active() {
   }
 }
 
-// One cone serves all traversals: pixels differ little, and the level of detail is a logarithm.
+// One cone serves all traversals: the pixels' cones differ little, and the mip level is their logarithm.
 Cone LayerTracer::middle_cone() const {
   return frame_->view->cone(frame_->request->width / 2, frame_->request->height / 2);
 }
@@ -144,7 +144,7 @@ void LayerTracer::take_hits(uint32_t pixel, const Hit* hits, uint32_t count, uin
     if (bends(hit)) s.wanted = s.found;
   }
   const bool exhausted = met == count && count < layers;
-  // A full traversal without a new surface ends the ray: more surfaces than it can hold lie within rounding of each
+  // A full traversal without a new surface ends the ray: more surfaces than it can hold are within rounding of each
   // other.
   if (!exhausted && taken > 0 && s.found < s.wanted) {
     step_on(policy, {hits, met}, s.step, s.ray);
@@ -167,7 +167,7 @@ bool LayerTracer::accepted(const Hit& hit) const {
   return instance.surface_id != 0 && snapshot.materials[instance.material].traceable;
 }
 
-// Returns whether a straight ray ends at the hit, because light is bent there.
+// Returns whether straight rays end at the hit, because its surface bends light.
 bool LayerTracer::bends(const Hit& hit) const {
   if (frame_->bends.empty()) return false;
   return frame_->bends[frame_->scene->snapshot->instances[hit.instance].material] != 0;
@@ -192,7 +192,7 @@ void LayerTracer::shade_events() {
       sink_->add_rough(shaded_[i].pixel, shaded_[i].layer, points_[i], radiance_[i * estimates], rough[i]);
 }
 
-// Writes radiance_, and returns what the shader says of rough reflections.
+// Fills radiance_, and returns the shader's rough reflections.
 std::span<const RoughReflection> LayerTracer::shade_points() {
   if (!reuse_.active()) {
     shader_->shade(points_, radiance_.data());
@@ -208,12 +208,12 @@ RayReuse::Pixel LayerTracer::place_of(const Event& event) const {
   return {requests_[event.pixel].x, requests_[event.pixel].y};
 }
 
-// Brings the surfaces of donor pixels before the others; each pixel's stay in their order.
+// Moves the surfaces of donor pixels to the front; each pixel's surfaces keep their order.
 void LayerTracer::order_events() {
   std::stable_partition(events_.begin(), events_.end(), [&](const Event& e) { return place_of(e).is_donor(); });
 }
 
-// Fills points_ and shaded_ with the events' hits that are to be shaded.
+// Fills points_ and shaded_ with the hits to shade.
 void LayerTracer::gather_points() {
   places_.clear();
   shaded_.clear();
@@ -234,7 +234,7 @@ void LayerTracer::gather_points() {
     points_[i].key = random_key({states_[shaded_[i].pixel].key, shaded_[i].layer});
 }
 
-// Hands the precomputed light of a sprite to the sink, if there is any; returns whether there was.
+// Passes the precomputed light of a sprite to the sink, and returns whether it is one that has any.
 bool LayerTracer::add_sprite(const Event& event, const SurfacePoint& point, glm::vec3 weight) {
   if (!frame_->sprites || frame_->scene->snapshot->instances[event.hit.instance].sprites == 0) return false;
   const glm::vec3 radiance = frame_->sprites->radiance(point.surface, event.hit);
@@ -242,7 +242,7 @@ bool LayerTracer::add_sprite(const Event& event, const SurfacePoint& point, glm:
   return true;
 }
 
-// Hands the points to the sink, and leaves those whose light it requests, with their weights.
+// Passes the points to the sink, and keeps those whose light it requests, with their weights.
 void LayerTracer::keep_wanted() {
   weights_.clear();
   size_t kept = 0;
@@ -256,7 +256,7 @@ void LayerTracer::keep_wanted() {
     const bool wanted = sink_->meet(e.pixel, points_[i], {e.hit, states_[e.pixel].ray, e.layer}, weight);
     if (!wanted || add_sprite(e, points_[i], weight)) continue;
     weights_.push_back(weight);
-    // Sprites lie behind one another by dozens, and what each is off by adds up.
+    // Dozens of sprites overlap, and their errors add up.
     const bool is_sprite = frame_->scene->snapshot->instances[e.hit.instance].sprites != 0;
     points_[i].weight = is_sprite ? 1.0f : points_[i].blended.cover;
     if (kept != i) {

@@ -1,4 +1,4 @@
-// Traces the translucent surfaces of a chunk of pixels, shades them in batches, and hands them on in ray order. Holds
+// Traces the translucent surfaces of a chunk of pixels, shades them in batches, and passes them on in ray order. It has
 // scratch memory: one object per thread.
 #pragma once
 
@@ -19,42 +19,43 @@
 
 namespace sideray::rt {
 
-// A hit with the ray that it lies on; it is the pixel's surface of this number, counted from 0.
+// Names a hit and its ray; `layer` is the surface's number on the pixel's ray, from 0.
 struct RayHit {
   const Hit& hit;
   const Ray& ray;
   uint32_t layer = 0;
 };
 
-// Receives what a chunk's pixels see. `pixel` counts within the chunk.
+// Receives the surfaces of a chunk's pixels. `pixel` is the index within the chunk.
 class LayerSink {
  public:
   virtual ~LayerSink() = default;
   virtual void begin(std::span<const PixelRequest> pixels) = 0;
-  // This is called before a pixel's next surface is made and shaded.
+  // Is called before a pixel's next surface is made and shaded.
   virtual void expect(uint32_t /*pixel*/, uint32_t /*layer*/) {}
-  // Receives a pixel's next surface and the ray that hit it. Sets `weight`, which add() gets back. Returns whether the
-  // surface is to be shaded, and add() called.
+  // Receives a pixel's next surface and the ray that hit it. Sets `weight`, which is passed on to add(). Returns
+  // whether the surface must be shaded and add() called.
   virtual bool meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met, glm::vec3& weight) = 0;
-  // Receives its light, later, as many estimates as the shader makes. `layer` counts the pixel's surfaces from 0.
+  // Receives the surface's light later, in as many estimates as the shader makes. `layer` counts the pixel's surfaces
+  // from 0.
   virtual void add(uint32_t pixel, uint32_t layer, const Hit& hit, const glm::vec3* radiance, glm::vec3 weight) = 0;
-  // Called after add() for rough surfaces: the same radiance, and the part of it that came from a random direction.
+  // Is called after add() for rough surfaces, with the same radiance and the part of it from a random direction.
   virtual void add_rough(uint32_t /*pixel*/, uint32_t /*layer*/, const SurfacePoint&, glm::vec3 /*radiance*/,
                          const RoughReflection&) {}
-  // Called if an added layer is resolved: its light is all that is seen of it and behind it.
+  // Is called if an added layer is resolved: its light includes everything behind it.
   virtual void resolve(uint32_t /*pixel*/, uint32_t /*layer*/) {}
   // Returns whether the surfaces hit so far hide everything behind them.
   virtual bool finished(uint32_t pixel) const = 0;
   virtual void end(std::span<const PixelRequest> pixels) = 0;
 };
 
-// Adds what a shader has done since `before` to the counters.
+// Adds the shader's work since `before` to the counters.
 void add_work(const ShaderWork& after, const ShaderWork& before, Counters& counters);
 
 class LayerTracer {
  public:
-  // `shader` has begun. Adds what it and the tracer did to `counters`. Other than complete: the shader did not come to
-  // the end, and the sink has what was shaded before.
+  // `shader` must have begun. Adds the work of shader and tracer to `counters`. Returns other than complete if the
+  // shader stopped early; then the sink has what was shaded before.
   TraceEnd trace(const FrameContext& frame, std::span<const PixelRequest> pixels, PointShader& shader, LayerSink& sink,
                  Counters& counters);
 
@@ -95,19 +96,19 @@ class LayerTracer {
   Counters* counters_ = nullptr;
   const ShadeKernels* kernels_ = nullptr;
   RayReuse reuse_;
-  std::vector<RayReuse::Pixel> shaded_pixels_;  // of reuse_: those of shaded_
+  std::vector<RayReuse::Pixel> shaded_pixels_;  // pixels of shaded_, for reuse_
   std::span<const PixelRequest> requests_;
   std::vector<PixelState> states_;
   std::vector<uint32_t> active_, next_active_, group_;
-  std::vector<uint32_t> layers_;  // how many the next traversal of each active pixel looks for
+  std::vector<uint32_t> layers_;  // of each active pixel: how many surfaces the next traversal looks for
   std::vector<Ray> rays_;
   std::vector<Hit> hits_;
   std::vector<uint32_t> hit_counts_;
   std::vector<Event> events_;
   std::vector<HitPlace> places_;
-  std::vector<SurfacePoint> made_points_;  // never shrinks: clearing points would cost as much as making some
+  std::vector<SurfacePoint> made_points_;  // never shrinks, because clearing points would cost as much as making some
   std::span<SurfacePoint> points_;
-  std::vector<Event> shaded_;  // the events that points_ belongs to
+  std::vector<Event> shaded_;  // the events of points_
   std::vector<glm::vec3> weights_, radiance_;
 };
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr size_t sprites_in_piece = 256;
 
-// Returns the middle of a sprite as a white, matt surface. Its ray has no end: nothing fades.
+// Returns the centre of a sprite as a white, diffuse surface. Its ray has no end, so that it does not fade.
 SurfacePoint white_sprite(const model::Snapshot& snapshot, uint32_t instance, uint32_t sprite) {
   const Hit hit{.distance = 0.0, .u = 0.0f, .v = 0.5f, .instance = instance, .primitive = 2 * sprite, .front = true};
   const model::Mesh& mesh = *snapshot.meshes[snapshot.instances[instance].mesh];

@@ -16,7 +16,7 @@ constexpr float most_reflected = 0.95f;
 constexpr float blur_of_open_sky = 0.25f;
 constexpr float short_of_hit = 1.0f - 0x1p-16f;
 
-// What a surface reflects of light from everywhere alike.
+// Returns the surface's reflectance under uniform light.
 glm::vec3 albedo_of(const SurfacePoint& p) {
   const shading::SrSurface& s = p.surface;
   const float n_v = std::abs(glm::dot(s.normal, p.to_eye));
@@ -75,7 +75,7 @@ void DiffusePaths::follow(std::span<const Ray> first, std::span<const Cone> cone
   }
 }
 
-// Leaves the paths whose rays hit something, with their rays and hits.
+// Keeps only paths with a hit, with their rays and hits.
 void DiffusePaths::drop_misses() {
   size_t kept = 0;
   for (size_t i = 0; i < paths_.size(); ++i) {
@@ -88,7 +88,7 @@ void DiffusePaths::drop_misses() {
   paths_.resize(kept), rays_.resize(kept), cones_.resize(kept), hits_.resize(kept);
 }
 
-// Lets glass on the way of each path tint it.
+// Tints each path by the glass on its way.
 void DiffusePaths::tint(std::span<const Ray> ways) {
   tinted_.assign(ways.begin(), ways.end());
   for (size_t i = 0; i < tinted_.size(); ++i) tinted_[i].t_far = static_cast<float>(hits_[i].distance) * short_of_hit;
@@ -96,7 +96,7 @@ void DiffusePaths::tint(std::span<const Ray> ways) {
   for (size_t i = 0; i < tinted_.size(); ++i) paths_[i].through *= straight_.through(i);
 }
 
-// Draws where each path goes on, and whether it does.
+// Samples each path's next direction, and whether it continues.
 void DiffusePaths::choose_ways_on(uint32_t bounce) {
   next_.clear(), next_points_.clear(), reflected_.clear(), ends_.clear(), end_points_.clear();
   for (uint32_t i = 0; i < paths_.size(); ++i) {
@@ -117,7 +117,7 @@ void DiffusePaths::choose_ways_on(uint32_t bounce) {
   }
 }
 
-// Finds out whether the ways on leave the scene.
+// Tests which continuing rays leave the scene.
 void DiffusePaths::find_sky() {
   open_.assign(paths_.size(), 0);
   ways_.resize(paths_.size());
@@ -131,8 +131,8 @@ void DiffusePaths::find_sky() {
   for (size_t i = 0; i < ends_.size(); ++i) note(end_points_[i], ends_[i], hidden_[i] == 0);
 }
 
-// What a matt surface gets from the sky is what comes along the ray, whose directions are drawn by the cosine. Lobes and what
-// is behind see all of the sky, or nothing.
+// Diffuse reflection receives the sky's light along the next ray, whose direction is sampled by the cosine. Other lobes
+// and transmission receive all of the sky, or nothing.
 void DiffusePaths::show_sky() {
   batch_.reflect_environment();
   const std::span<AroundBlock> around = batch_.around();
@@ -151,7 +151,7 @@ void DiffusePaths::shade() {
   batch_.load(points_);
   if (has_sky_) show_sky();
   batch_.finish(light_of_points_.data());
-  // One ray stands for all lights of a point.
+  // One ray represents all lights of a point.
   constexpr LightOdds odds{0.0f, std::numeric_limits<float>::max()};
   light_.clear();
   for (size_t b = 0; b < batch_.blocks(); ++b) light_.draw(batch_, b, odds, nullptr);
@@ -159,7 +159,7 @@ void DiffusePaths::shade() {
   light_.add(shadows_ ? intersector_ : nullptr, light_of_points_.data());
 }
 
-// The rays that go on become those of the paths that are left.
+// Moves the continuing rays to the remaining paths.
 void DiffusePaths::go_on() {
   size_t kept = 0;
   for (size_t i = 0; i < next_.size(); ++i) {

@@ -1,9 +1,9 @@
-// Follows light backward from matt surfaces: a ray in a direction drawn by the cosine, on from what it hits, and so on. Russian
-// roulette by what each surface reflects ends a path, so that all bounces count and their number adapts to how bright the
-// surfaces are: dark scenes cost one. Every surface is lit by one of its lights, drawn by what they add, with a shadow ray; by
-// its own emission; and by the surroundings where the ray that goes on leaves the scene: by what comes from about that
-// direction, so that no texel of the sun is met by chance.
-// Surfaces reflect as matt ones of their albedo. Holds scratch memory: one object per thread.
+// Follows light paths backward from diffuse surfaces, with directions sampled by the cosine. Russian roulette by albedo
+// ends a path, so that all bounces are included and their number adapts to the surfaces: in dark scenes it is one.
+// Every hit surface is lit by one of its lights, sampled by its contribution, with a shadow ray; by its emission; and
+// by the environment if its next ray leaves the scene. That radiance is averaged about the ray's direction, so that no
+// path hits single texels of the sun. Surfaces reflect as diffuse ones of their albedo. It has scratch memory: one
+// object per thread.
 #pragma once
 
 #include <cstdint>
@@ -20,16 +20,16 @@
 
 namespace sideray::rt {
 
-// Of a path; what is left then is less than a hundredth in the whitest rooms.
+// In a path; after so many, less than a hundredth of the light is left even in the whitest rooms.
 inline constexpr uint32_t most_path_surfaces = 16;
 
 class DiffusePaths {
  public:
-  // The caller keeps all arguments. `host` shades what paths hit in place of the built-in model, and then they end there: it
-  // knows its own ambient light; null: the built-in model.
+  // The caller keeps all arguments alive. `host` shades hits instead of the built-in model, and paths end there,
+  // because the host knows its own ambient light; null: the built-in model.
   void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, SecondaryHitShader* host);
-  // Follows a path along each ray: `keys` are of random numbers, one a path. Writes the radiance that comes from surfaces along
-  // them, black where a ray leaves the scene, and how near the first surface is: 1 / distance, 0 where there is none.
+  // Follows a path along each ray; `keys` are for random numbers, one a path. Writes the radiance from surfaces along
+  // each ray, black if it leaves the scene, and the nearness of its first hit: 1 / distance, 0 without a hit.
   void follow(std::span<const Ray> rays, std::span<const Cone> cones, std::span<const uint32_t> keys, glm::vec3* radiance,
               float* nearness);
 
@@ -37,8 +37,8 @@ class DiffusePaths {
 
  private:
   struct Path {
-    uint32_t number;    // of the ray that it began with
-    glm::vec3 through;  // what surfaces and glass leave of the light from where it goes on
+    uint32_t number;    // index of its first ray
+    glm::vec3 through;  // transmittance and reflectance up to the current ray
     uint32_t key;
   };
   void trace(std::span<const Ray> rays);
@@ -59,19 +59,19 @@ class DiffusePaths {
   DirectLight light_;
   StraightLight straight_;
 
-  std::vector<Path> paths_;  // that have hit a surface each
+  std::vector<Path> paths_;  // those with a hit
   std::vector<Ray> rays_, tinted_;
   std::vector<Cone> cones_;
   std::vector<Hit> hits_;
   std::vector<HitPlace> places_;
-  std::vector<SurfacePoint> points_;  // those surfaces
+  std::vector<SurfacePoint> points_;  // the hit surfaces
   std::vector<glm::vec3> light_of_points_;
-  // Of the rays that go on from the points: those of paths that end there only ask for the sky.
+  // Rays that continue from the points; rays of paths that end there only test for the sky.
   std::vector<Ray> next_, ends_;
   std::vector<uint32_t> next_points_, end_points_;
-  std::vector<glm::vec3> reflected_;  // of next_: the path's share of what comes along it
+  std::vector<glm::vec3> reflected_;  // for next_: the path's reflectance
   std::vector<Hit> next_hits_;
-  std::vector<glm::vec3> ways_, sky_;  // of the ray that goes on from each point: its direction, and the sky's light there
+  std::vector<glm::vec3> ways_, sky_;  // for each point: direction of its next ray, and the sky's light there
   std::vector<uint8_t> hidden_, open_;
 };
 

@@ -3,7 +3,7 @@
 namespace sideray::rt {
 namespace {
 
-// This share of the way to a light is not tested, so that rounding does not carry the ray past it.
+// Rays stop before the light by this share of the distance, so that rounding does not carry them past it.
 constexpr float short_of_light = 1e-5f;
 
 }  // namespace
@@ -24,8 +24,8 @@ void DirectLight::draw(SurfaceBatch& batch, size_t block, const LightOdds& odds,
 
 void DirectLight::add(const Intersector* shadows, glm::vec3* radiance, bool coherent) {
   blocked_.assign(rays_.size(), 0);
-  // Translucent surfaces of neighbouring pixels lie apart, and traversal for coherent packets takes 10 % longer
-  // (bench_trace --benchmark_filter=shade_shadowed).
+  // Translucent surfaces of neighbouring pixels are far apart, and coherent traversal takes 10 % longer (bench_trace
+  // --benchmark_filter=shade_shadowed).
   if (shadows && rays_.size() > 0) shadows->occluded(rays_.columns(), coherent, blocked_.data());
   through_.clear();
   if (shadows && tints_) pass_glass();

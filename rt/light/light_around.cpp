@@ -10,8 +10,8 @@
 namespace sideray::rt {
 namespace {
 
-constexpr float cell_width = 2.0f;  // of the smallest cells, in widths of a pixel
-constexpr float least_reach = 4.0f;  // likewise
+constexpr float cell_width = 2.0f;  // side of the smallest cells, in widths of a pixel
+constexpr float least_reach = 4.0f;  // smallest radius of sharing, in widths of a pixel
 constexpr float share_of_distance = 0.5f;
 constexpr float points_a_path = 4.0f;
 constexpr size_t few_cells = 4;
@@ -63,7 +63,7 @@ float likeness(glm::vec3 a, glm::vec3 b) {
   return std::max((glm::dot(a, b) - least_likeness) * (1.0f / (1.0f - least_likeness)), 0.0f);
 }
 
-// Returns the share that is left of each channel; all where there is nothing.
+// Returns part / whole by channel; 1 if the whole is 0.
 glm::vec3 share_of(glm::vec3 part, glm::vec3 whole) {
   glm::vec3 share(1.0f);
   for (int c = 0; c < 3; ++c)
@@ -132,8 +132,8 @@ void LightAround::choose_senders(std::span<const InCell> points) {
   }
 }
 
-// Records that follow each other lie near each other: their directions are the points of one sequence that fills the square
-// evenly (Roberts 2018, R2), from a random one on.
+// Consecutive records are near each other, so their directions come from one low-discrepancy sequence (Roberts 2018,
+// R2), with a random start.
 void LightAround::send_paths() {
   constexpr uint32_t step_x = 3242174889u, step_y = 2447445414u;
   rays_.clear(), cones_.clear();
@@ -154,7 +154,7 @@ void LightAround::send_paths() {
   if (environment_) see_sky();
 }
 
-// Finds what each path's first direction sees of the sky, by what is translucent before it.
+// Finds the visible sky in each path's first direction, through translucent surfaces.
 void LightAround::see_sky() {
   clear_.clear(), of_clear_.clear(), directions_.clear();
   for (const Ray& ray : rays_) directions_.push_back(ray.direction);
@@ -173,7 +173,7 @@ void LightAround::see_sky() {
   for (size_t k = 0; k < clear_.size(); ++k) records_[of_clear_[k]].seen_sky *= veils_.color(k);
 }
 
-// A path's own distance says little: the mean of those near it counts.
+// A single path's distance is noisy, so nearby paths are averaged.
 void LightAround::find_reaches() {
   for (Record& r : records_) {
     const float blur = r.width * cell_width;
@@ -188,7 +188,7 @@ void LightAround::find_reaches() {
   }
 }
 
-// Of the sky, the share of the light of those directions that is seen: where all is open it is one, whichever they are.
+// For the sky, averages the visible share of the light in the paths' directions: it is exactly one if nothing occludes.
 ArrivingLight LightAround::mean_about(const Record& at) const {
   glm::vec3 thrown(0.0f), sky(0.0f), seen_sky(0.0f);
   float weights = 0.0f;

@@ -19,9 +19,9 @@ namespace sideray::rt {
 
 class LightAround {
  public:
-  // The caller keeps both objects.
+  // The caller keeps both objects alive.
   void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows);
-  // Finds what arrives at the batch's points, with `matt` at those alone that have anything matt. The same batch gets the same
+  // Finds the light at the batch's points; `matt`: only at those with a diffuse part. The same batch gets the same
   // bits.
   std::span<const ArrivingLight> find(const SurfaceBatch& batch, bool matt);
 
@@ -63,22 +63,22 @@ class LightAround {
   const Intersector* intersector_ = nullptr;
   const model::Environment* environment_ = nullptr;  // null: black
   EnvironmentLanes lanes_;
-  bool veiled_ = false;  // something translucent is before the sky
+  bool veiled_ = false;  // something translucent is in front of the sky
   DiffusePaths paths_;
   Veils veils_;
   std::vector<Point> points_;
   std::vector<InCell> in_cells_;  // points_, those of a cell one behind the other
   std::vector<uint64_t> cells_;   // those of in_cells_, each once
   std::vector<Record> records_;
-  std::vector<Ray> rays_, clear_;      // the latter hit nothing opaque
+  std::vector<Ray> rays_, clear_;      // clear_: those without an opaque hit
   std::vector<uint32_t> of_clear_;
   uint64_t rays_to_veils_ = 0;
   std::vector<Cone> cones_;
   std::vector<uint32_t> keys_;
   std::vector<glm::vec3> radiance_;
   std::vector<float> nearness_;
-  std::vector<glm::vec3> directions_, sky_;  // of rays_, and the sky's light there
-  std::vector<ArrivingLight> means_;     // about each of records_
+  std::vector<glm::vec3> directions_, sky_;  // directions of rays_, and the sky's light there
+  std::vector<ArrivingLight> means_;     // around each of records_
   std::vector<ArrivingLight> arriving_;  // at each point of the batch
 };
 

@@ -1,4 +1,4 @@
-// Declares how those who follow rays ask for the light of what the rays hit.
+// Declares the interface by which ray tracers have their hits shaded.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -9,14 +9,14 @@
 
 namespace sideray::rt {
 
-// Shades secondary hits, which mirrors show. They have no further mirrors: the environment takes their place.
+// Shades secondary hits, which are visible in mirrors. They reflect only the environment.
 class SecondaryHitShader {
  public:
   virtual ~SecondaryHitShader() = default;
   virtual void shade_secondary_hits(std::span<const HitPlace> hits, glm::vec3* radiance) = 0;
-  // Shades translucent surfaces before the secondary hits, without shadows, and says how each is composited.
+  // Shades translucent surfaces in front of secondary hits, without shadows, and sets how each is composited.
   virtual void shade_in_front(std::span<const HitPlace> hits, shading::SrBlend* blends, glm::vec3* radiance) = 0;
-  // Writes what each of the rays sees that leave the scene.
+  // Writes the environment for rays that leave the scene.
   virtual void surroundings(std::span<const EnvironmentPlace> places, glm::vec3* radiance) const = 0;
 };
 

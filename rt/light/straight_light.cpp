@@ -9,10 +9,10 @@
 namespace sideray::rt {
 namespace {
 
-// Surfaces this many offsets apart, along the normal, count as being at one place.
+// Surfaces up to this many offsets apart along the normal count as being at one place.
 constexpr float skin_offsets = 2.0f, least_cosine = 1e-3f, rounding = 0x1p-20f;
 
-// Returns the media that the ray begins in: those that it leaves without having entered them, the outermost left last.
+// Returns the media at the ray's start: those that it leaves without having entered, the outermost left last.
 MediumStack media_before(std::span<const StraightSurface> met) {
   MediumStack entered, begun;
   std::array<uint32_t, MediumStack::capacity> left;
@@ -38,7 +38,7 @@ glm::vec3 faded(glm::vec3 absorption, float distance) {
   return through;
 }
 
-// Returns what the surface of a solid lets through where the ray goes from one medium to another.
+// Returns a solid surface's transmittance between two media.
 glm::vec3 through_interface(const StraightSurface& s, const Crossing& crossing) {
   if (crossing.ior_from == 1.0f || crossing.ior_to == 1.0f || s.cover == 0.0f) return s.through;
   const float reflected = dielectric_reflectance(s.cosine, crossing.ior_from, crossing.ior_to);
@@ -46,13 +46,14 @@ glm::vec3 through_interface(const StraightSurface& s, const Crossing& crossing) 
   return (1.0f - s.cover) + s.cover * s.inner * passed;
 }
 
-// Where one solid ends and another begins at the same place, the latter comes first: there is no gap between them.
+// Returns whether one solid ends where another begins. The latter then comes first, because there is no gap between
+// them.
 bool ends_where_next_begins(const StraightSurface& s, const StraightSurface& next) {
   return s.solid && next.solid && !s.hit.front && next.hit.front &&
          next.hit.distance <= s.hit.distance + static_cast<double>(s.skin);
 }
 
-// Returns the unit shading normal of the front face at a hit, or 0 where there is none.
+// Returns the unit shading normal of the front face at a hit, or 0 if there is none.
 glm::vec3 smooth_normal(const InstanceRecord& in, const Hit& hit) {
   const uint32_t* t = in.triangles + size_t{3} * hit.primitive;
   const float weights[3] = {1.0f - hit.u - hit.v, hit.u, hit.v};
@@ -71,9 +72,9 @@ float largest_coordinate(const model::Bounds& bounds) {
   return largest(glm::max(glm::abs(bounds.minimum), glm::abs(bounds.maximum)));
 }
 
-// Says which rays come near a box: 1, else 0. Without branches, so that it becomes vectors.
+// Marks rays that come near a box by 1. Without branches, so that it becomes vector code.
 void find_near(const model::Bounds& bounds, const RayColumns& rays, uint8_t* near) {
-  // Beyond rounding, and 0 times infinity never occurs.
+  // The margin covers rounding, and 0 times infinity never occurs.
   constexpr float share = 1e-5f, least_direction = 1e-20f;
   const glm::vec3 corner = glm::max(glm::abs(bounds.minimum), glm::abs(bounds.maximum));
   for (size_t r = 0; r < rays.count; ++r) {
@@ -111,7 +112,7 @@ glm::vec3 straight_transmittance(const RefractionScene& media, std::span<const S
     if (!inside.empty()) left *= faded(media.medium(inside.top()).absorption, to - absorbed);
     absorbed = to;
   };
-  const StraightSurface* waiting = nullptr;  // one that ends where the next began
+  const StraightSurface* waiting = nullptr;  // one that ended where the next one began
   for (size_t i = 0; i < met.size() || waiting; ++i) {
     const StraightSurface* s = waiting ? waiting : &met[i];
     if (waiting) {
@@ -169,7 +170,7 @@ void StraightLight::follow(std::span<const Ray> rays) {
   }
 }
 
-// Makes the surfaces that are not plain.
+// Makes the surfaces with textures or vertex colours.
 void StraightLight::finish_surfaces() {
   const ShadeKernels& kernels = shade_kernels(intersector_->isa().c_str());
   for (const Textured* textured : {&solids_, &others_}) {
@@ -209,7 +210,7 @@ void StraightLight::take(const Ray& ray, std::span<const Hit> hits) {
       met_.emplace_back();
       continue;
     }
-    // Beyond the horizon the eye sees a normal bent toward it.
+    // A perturbed normal may point beyond the horizon; the cosine is then 0.
     const float cosine = std::clamp(glm::dot(hit.front ? -normal : normal, ray.direction), 0.0f, 1.0f);
     const float skin = skin_offsets * rounding * largest_coordinate(instance.bounds) / std::max(cosine, least_cosine);
     met_.push_back({hit, solid, cosine, skin, plain.at(cosine), plain.inner, plain.edge, plain.cover});

@@ -1,8 +1,8 @@
-// Says how much of a light comes straight through translucent surfaces: the coloured shadows of glass, in every way of
-// drawing that traces rays. The ray is not bent. What is left of it is the product of what each surface lets through, by
-// Fresnel's term at the angle that the ray itself has with it, and of what the solids keep between entry and exit. Through
-// parallel faces a real ray is reflected as much, for it has that angle outside; nowhere along a straight ray is light
-// reflected totally, but toward grazing angles nothing passes. Holds scratch memory: one object per thread.
+// Computes the transmittance of unbent rays through translucent surfaces: the coloured shadows of glass, in every way
+// of drawing that traces rays. It is the product of each surface's transmittance, by the Fresnel term at the ray's
+// angle, and the absorption of solids between entry and exit. Through parallel faces this matches a refracted ray,
+// which has the same angle outside. A straight ray is never totally reflected, but transmits nothing at grazing angles.
+// It has scratch memory: one object per thread.
 #pragma once
 
 #include <cstdint>
@@ -16,50 +16,51 @@
 
 namespace sideray::rt {
 
-// A ray with at most this share left in every channel counts as dark.
+// A ray whose transmittance is at most this in every channel counts as dark.
 inline constexpr float least_straight_light = 1e-4f;
 
-// Describes a translucent surface that a straight ray passes.
+// Describes a translucent surface on a straight ray.
 struct StraightSurface {
   Hit hit;
   bool solid;         // encloses a medium that absorbs between entry and exit
   float cosine;       // of the ray to the normal
-  float skin;         // along the ray: surfaces so close behind are at the same place
-  glm::vec3 through;  // what is left of light that comes from the air or goes into it
-  // Between two media that are both not air, what is left is 1 - cover + cover * inner * (1 - edge * Fresnel's term).
+  float skin;         // along the ray: surfaces this close behind count as being at the same place
+  glm::vec3 through;  // transmittance between air and the medium
+  // Between two media that are not air, the transmittance is 1 - cover + cover * inner * (1 - edge * Fresnel's term).
   glm::vec3 inner, edge;
   float cover;
 };
-// `point`: of a solid, a surface of `media.surfaces`, whose tint has no absorption; else of the scene itself.
+// `point`: for a solid, a surface of `media.surfaces`, whose tint has no absorption; otherwise a surface of the scene.
 StraightSurface straight_surface(const RefractionScene& media, const SurfacePoint& point);
 // Returns whether the hit's instance encloses a medium.
 inline bool is_solid(const RefractionScene& media, const Hit& hit) {
   return media.surfaces.snapshot->instances[hit.instance].solid && media.medium(hit.instance).volume;
 }
 
-// Returns the transmittance of a straight ray of a length through the surfaces `met`, in order. Solids nest as
-// MediumStack says. Other volumes and thin walls absorb by their material's thickness. `within`: the media in which the
-// ray begins; null: those whose backs it hits without having hit their fronts. A length of `farthest` / 2 or more: the
-// ray ends outside all of them.
+// Returns the transmittance of a straight ray with a length through the surfaces `met`, in order. Solids nest as in
+// MediumStack. Other volumes and thin walls absorb by their material's thickness. `within`: the media at the ray's
+// start; null: those whose backs it hits before their fronts. A length of at least `farthest` / 2: the ray ends outside
+// all media.
 glm::vec3 straight_transmittance(const RefractionScene& media, std::span<const StraightSurface> met, float length,
                                  const MediumStack* within = nullptr);
 
 class StraightLight {
  public:
-  // The caller keeps both.
+  // The caller keeps both objects alive.
   void begin(const ShadingScene& scene, const Intersector& intersector);
-  // Returns whether anything translucent in the scene throws a shadow (model::tints_light()); otherwise no ray is followed.
+  // Returns whether anything translucent in the scene casts a shadow (model::tints_light()); otherwise no ray is
+  // followed.
   bool is_tinted() const { return scene_->glass != nullptr; }
-  // Appends to `rays` those that may hit such a surface, except blocked ones (1), and their numbers to `numbers`.
+  // Appends to `rays` those that may hit such a surface, except blocked ones (1), and their indices to `numbers`.
   void choose(const RayColumns& from, const uint8_t* blocked, std::vector<Ray>& rays, std::vector<uint32_t>& numbers);
-  // Follows rays that nothing opaque stops.
+  // Follows rays without an opaque occluder.
   void follow(std::span<const Ray> rays);
   // Returns the transmittance of a ray, 1 if it hits nothing.
   const glm::vec3& through(size_t ray) const { return through_[ray]; }
   // Returns the distance along the ray of the nearest surface that absorbs or reflects; infinite if there is none.
   float distance(size_t ray) const { return distance_[ray]; }
 
-  uint64_t traversals = 0;  // rays that were followed, since begin()
+  uint64_t traversals = 0;  // number of rays followed since begin()
 
  private:
   void meet(std::span<const Ray> rays);
@@ -70,8 +71,8 @@ class StraightLight {
   const Intersector* intersector_ = nullptr;
   std::vector<uint8_t> near_;
   RaySurfaces found_;
-  std::vector<StraightSurface> met_;  // those of found_
-  // The surfaces of met_ whose tint depends on the place: on textures or vertex colours.
+  std::vector<StraightSurface> met_;  // the surfaces of found_
+  // Refers to the surfaces of met_ whose tint varies by textures or vertex colours.
   struct Textured {
     std::vector<HitPlace> places;
     std::vector<uint32_t> met;

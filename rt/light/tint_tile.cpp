@@ -16,12 +16,12 @@ uint32_t block_of(uint32_t pixel) {
   return row_in_tile(pixel) / block_side * across + column_in_tile(pixel) / block_side;
 }
 
-// One of five, in each row and each column.
+// Returns true for one pixel in five, in each row and each column.
 bool is_first(uint32_t pixel) {
   return (column_in_tile(pixel) + 2 * row_in_tile(pixel)) % 5 == 0;
 }
 
-// Every other pixel; the rest in the next frame.
+// Returns true for every other pixel, and for the others in the next frame.
 bool is_in_turn(uint32_t pixel, uint32_t seed) {
   return ((column_in_tile(pixel) + row_in_tile(pixel) + seed) & 1) == 0;
 }
@@ -32,8 +32,8 @@ uint8_t mean(uint32_t sum, uint32_t count) {
 
 }  // namespace
 
-// Blocks of 8x8 pixels. A fifth of the pixels of each is traced first: if these agree, and the blocks beside agree with
-// it about being tinted at all, the others take their mean.
+// Holds blocks of 8x8 pixels. A fifth of each block's pixels is traced first. If these agree, and neighbouring blocks
+// agree on whether they are tinted at all, the other pixels get their mean.
 class TileTints::Blocks {
  public:
   void add(uint32_t pixel, const std::array<uint8_t, 3>& left, float distance) {
@@ -144,7 +144,7 @@ void TileTints::follow(const TileLight& light, Blocks& blocks) {
   }
 }
 
-// Gives a pixel the mean of those beside it that were looked at.
+// Gives a pixel the mean of its traced neighbours.
 void TileTints::fill_between(uint32_t pixel) {
   const uint32_t column = column_in_tile(pixel), row = row_in_tile(pixel);
   const size_t place = place_in_rows(pixel);
@@ -166,8 +166,8 @@ void TileTints::fill_between(uint32_t pixel) {
   tint_->distance[place] = distance;
 }
 
-// Gives the pixels whose rays something opaque stops the mean tint of the lit ones in their block: filters average both,
-// and the mean share that arrives is the mean of the mask times the mean tint of what is lit.
+// Gives pixels with an opaque occluder the mean tint of the lit pixels in their block. Filters average mask and tint
+// separately, and the mean light is the mask's mean times the mean tint of lit pixels.
 void TileTints::fill_shadows(const TileLight& light) {
   std::array<std::array<uint32_t, 4>, size_t{across} * across> sums{};
   for (size_t r = 0; r < light.rays.count; ++r) {

@@ -1,5 +1,5 @@
-// Finds what translucent surfaces leave of a light in the pixels of a tile, tracing some of them and interpolating the
-// others.
+// Finds the transmittance of translucent surfaces between a light and the pixels of a tile, tracing some pixels and
+// interpolating the others.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 
 namespace sideray::rt {
 
-// Holds what is left of red, green and blue, 255 = all, and the distance along the ray of the first surface that
+// Holds the transmittance of red, green and blue, 255 = 1, and the distance along the ray of the first surface that
 // absorbs or reflects, infinite if there is none. Row by row, unlike the pixels of a PointTile.
 struct TintTile {
   uint32_t layer, tile;
@@ -21,23 +21,23 @@ struct TintTile {
   std::array<float, point_tile_pixels> distance;
 };
 
-// The rays of a tile's pixels to one light.
+// Describes the rays of a tile's pixels to one light.
 struct TileLight {
   uint32_t layer, tile;  // names, for TintTile
   RayColumns rays;
   const uint16_t* pixels;  // the index of each ray's pixel in the tile
-  const uint8_t* blocked;  // 1: something opaque stops the ray
-  // Tints are filtered: where neighbours differ, every other pixel is traced, and the rest in the next frame.
+  const uint8_t* blocked;  // 1: the ray has an opaque occluder
+  // Tints are filtered later: where neighbours differ, every other pixel is traced, and the others in the next frame.
   bool filtered;
   uint32_t seed;
 };
 
-// Holds scratch memory: one object per thread.
+// Has scratch memory: one object per thread.
 class TileTints {
  public:
-  // The caller keeps both.
+  // The caller keeps both objects alive.
   void begin(const ShadingScene& scene, const Intersector& intersector) { straight_.begin(scene, intersector); }
-  // Appends to `found` what a light has in the tile, if anything is tinted there. Returns how many rays were followed.
+  // Appends the light's tints in the tile to `found`, if there are any. Returns the number of rays.
   uint64_t trace(const TileLight& light);
 
   std::deque<TintTile> found;
@@ -51,10 +51,10 @@ class TileTints {
   void fill_shadows(const TileLight& light);
 
   StraightLight straight_;
-  std::vector<Ray> clear_, chosen_;  // rays that nothing opaque stops; those that are followed
+  std::vector<Ray> clear_, chosen_;  // rays without an opaque occluder; rays that are followed
   std::vector<uint32_t> of_clear_, of_chosen_;  // their pixels
-  std::array<uint8_t, point_tile_pixels> known_{};  // row by row: 1 = its ray was followed
-  TintTile* tint_ = nullptr;                        // null: nothing has been tinted yet
+  std::array<uint8_t, point_tile_pixels> known_{};  // row by row: 1 = the pixel's ray was followed
+  TintTile* tint_ = nullptr;                        // null: nothing is tinted so far
 };
 
 }  // namespace sideray::rt

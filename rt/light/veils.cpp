@@ -7,10 +7,10 @@ namespace sideray::rt {
 namespace {
 
 constexpr uint32_t most_layers = 16;
-// A pixel has a few rays for half the sky: each stands for all around it, and textures are read as coarse as that.
+// A pixel has few rays for half the sky, so each represents a wide cone, and textures are read as coarsely.
 constexpr Cone wide{0.0f, 0.5f};
 
-// What the wind moves is left out: reused masks are invalidated by commits, and it moves between them.
+// Leaves out what wind moves: it moves between commits, and only commits invalidate reused masks.
 bool is_veil(const model::Instance& instance) {
   return instance.wind == 0 && (instance.visibility & SIDERAY_VISIBLE_AO) != 0;
 }

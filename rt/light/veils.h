@@ -1,5 +1,5 @@
-// Says how much of the sky's light comes through translucent surfaces to opaque ones: ambient occlusion by veils. Holds
-// scratch memory: one object per thread.
+// Computes how much of the sky's light passes translucent surfaces to opaque ones. It has scratch memory: one object
+// per thread.
 #pragma once
 
 #include <cstdint>
@@ -13,19 +13,20 @@
 
 namespace sideray::rt {
 
-// Returns whether any translucent instance takes part in ambient occlusion.
+// Returns whether any translucent instance is visible to ambient occlusion.
 bool veils_sky(const model::Snapshot& snapshot);
 
 class Veils {
  public:
-  // Follows rays that hit nothing opaque. Surfaces count that are visible to ambient occlusion, the nearest sixteen of
-  // a ray.
+  // Follows rays without an opaque hit. The nearest sixteen surfaces on a ray that are visible to ambient occlusion
+  // count.
   void meet(const ShadingScene& scene, const Intersector& intersector, std::span<const Ray> rays, bool coherent);
-  // Returns what all surfaces on the ray let straight through, absorption by their thickness included; of additive ones all.
+  // Returns the straight transmittance of all surfaces on the ray, with absorption by their thickness; additive
+  // surfaces have 1.
   glm::vec3 color(size_t ray) const { return colors_[ray]; }
   // Returns its mean over red, green and blue.
   float through(size_t ray) const { return through_[ray]; }
-  // Returns the distance of the nearest one that absorbs or reflects; infinite if there is none.
+  // Returns the distance of the nearest surface that absorbs or reflects; infinite if there is none.
   float distance(size_t ray) const { return distance_[ray]; }
 
  private:

@@ -6,7 +6,7 @@
 namespace sideray::rt {
 namespace {
 
-// Samples within this relative difference of depth belong to the same surface; others get the small weight.
+// Samples within this relative difference of depth count as the same surface; others get the small weight.
 constexpr float same_depth = 1.0f / 16.0f, share_of_others = 1.0f / 1024.0f;
 
 }  // namespace
@@ -27,7 +27,8 @@ SkyShare CoarseSky::at(size_t tile, uint32_t x, uint32_t y, std::span<const floa
     const uint32_t u = x0 + i % across * step + step / 2, v = y0 + i / across * step + step / 2;
     const float dx = (static_cast<float>(u) - static_cast<float>(x)) / step, dy = (static_cast<float>(v) - static_cast<float>(y)) / step;
     const float apart = std::abs(depths[size_t{v} * width_ + u] - own);
-    // It falls by three quarters from one sample to the next, so that the mean is smooth and noise goes down.
+    // The weight falls by three quarters from one sample to the next, so that the mean is smooth and noise averages
+    // out.
     const float near = 1.0f / (1.0f + 3.0f * (dx * dx + dy * dy));
     const float weight = near * near * (apart <= same_depth * own ? 1.0f : share_of_others);
     open += weight * sample.share.open;

@@ -8,17 +8,17 @@
 namespace sideray::rt {
 namespace {
 
-// Tries after which a point looks at every candidate: where bounds are loose, as around a light.
+// A point examines every candidate after so many tries, because bounds may be loose, as around a light.
 constexpr uint32_t most_tries = 24;
-// Rounding may lift a weight that lies at its bound by this factor at most.
+// Rounding may lift a weight above its bound by this factor.
 constexpr float bound_margin = 1.0f + 0x1p-16f;
-constexpr float least_distance = 1e-4f;  // shading::sr_incidence()'s
+constexpr float least_distance = 1e-4f;  // as in shading::sr_incidence()
 
 float sum_of(const glm::vec3& v) {
   return v.x + v.y + v.z;
 }
 
-// The distance of a point from a box, 0 inside.
+// Returns the distance of a point from a box, 0 inside.
 float distance_to_box(const glm::vec3& p, const glm::vec3& least, const glm::vec3& most) {
   return glm::length(p - glm::clamp(p, least, most));
 }
@@ -68,8 +68,8 @@ void CombinedLights::Block::begin(const CombinedLights& lights, std::span<const 
   }
 }
 
-// A candidate is drawn by its bound and accepted by the share of it that its weight is: what is accepted is drawn by
-// its weight.
+// A candidate is proposed by its bound and accepted with the probability weight / bound, so accepted ones are
+// distributed by weight.
 std::optional<uint32_t> CombinedLights::Block::draw(const DepthPoint& point, uint32_t key) {
   if (candidates_.empty()) return std::nullopt;
   for (uint32_t k = 0; k < most_tries; ++k) {

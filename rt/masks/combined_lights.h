@@ -1,5 +1,5 @@
-// Draws for each pixel one of the lights that have no mask of their own, with a probability in proportion to what each
-// would add there unshadowed. Any thread; a Block is scratch memory of its thread.
+// Samples for each pixel one of the lights that have no mask of their own, with a probability in proportion to its
+// unshadowed contribution there. Any thread may use it; a Block is scratch memory of its thread.
 #pragma once
 
 #include <cstdint>
@@ -15,34 +15,35 @@ namespace sideray::rt {
 
 class CombinedLights {
  public:
-  static constexpr uint32_t first_light = 32;  // of the snapshot's
+  static constexpr uint32_t first_light = 32;  // index in the snapshot
 
   CombinedLights() = default;
   explicit CombinedLights(const ShadingScene& scene);
 
-  // Bounds of the lights over a block of neighbouring points, from which each point draws by rejection.
+  // Holds bounds of the lights over a block of neighbouring points, from which each point samples by rejection.
   class Block {
    public:
     void begin(const CombinedLights& lights, std::span<const DepthPoint> points);
-    // The light's number in the snapshot; none where no light reaches the point. `key`: of its random numbers.
+    // Returns the light's index in the snapshot, or nothing if no light reaches the point. `key` is for its random
+    // numbers.
     std::optional<uint32_t> draw(const DepthPoint& point, uint32_t key);
 
    private:
     std::optional<uint32_t> draw_by_weight(const DepthPoint& point, float u);
     const CombinedLights* lights_ = nullptr;
     std::vector<uint32_t> candidates_;  // lights that may reach some point
-    std::vector<float> bounds_;         // that none of their weights exceeds
-    std::vector<double> sums_;          // of the bounds up to each
+    std::vector<float> bounds_;         // upper bounds of their weights
+    std::vector<double> sums_;          // running sums of the bounds
     std::vector<float> weights_;        // scratch memory of draw_by_weight()
   };
 
-  // The irradiance that a light adds to the surface there, the sum of its channels.
+  // Returns the unshadowed irradiance that a light adds to the surface, summed over channels.
   float weight(size_t light, const DepthPoint& point) const;
 
  private:
   float bound(size_t light, const glm::vec3& least, const glm::vec3& most) const;
   std::vector<shading::SrLight> lights_;
-  std::vector<uint32_t> numbers_;  // of them in the snapshot
+  std::vector<uint32_t> numbers_;  // indices in the snapshot
 };
 
 }  // namespace sideray::rt

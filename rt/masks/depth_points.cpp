@@ -9,29 +9,29 @@ namespace sideray::rt {
 namespace {
 
 constexpr double nothing = std::numeric_limits<double>::infinity();
-constexpr double no_depth = std::numeric_limits<double>::quiet_NaN();  // where nothing was drawn
-// This share covers coordinates that go through an instance's transform and back in floats.
+constexpr double no_depth = std::numeric_limits<double>::quiet_NaN();  // marks pixels without a surface
+// The relative rounding of coordinates that go through an instance's transform and back in floats.
 constexpr double rounding = 0x1p-21;
-// This is a factor on a slope: neighbours give the mean slope of the triangles between them.
+// A factor on slopes, because neighbours give the mean slope of the triangles between them.
 constexpr double slope_margin = 2.0;
-// Three pixels lie on a plane where the second step differs from the first by at most this share of it, and by what steps
-// of the depth may make of it.
+// Three pixels are on a plane if the second step of depth differs from the first by at most this share of it, plus this
+// multiple of the depth's noise.
 constexpr double bent_share = 0.125, bent_noise = 8.0;
-// The surface goes on along a side that differs from a plane by at most this share, and is bent by less than half as much
-// as the other side, steps of the depth apart.
+// The surface continues on a side that differs from a plane by at most this share, and bends less than half as much as
+// the other side, apart from the depth's noise.
 constexpr double plane_share = 0x1p-6, straighter_factor = 2.0, straighter_noise = 8.0;
-// A step of at most this distance over breadth is believed from two pixels alone.
+// A neighbour alone is taken for the same surface if depth changes by at most this many times the breadth.
 constexpr double steep = 4.0;
-// Rays skip this share of a pixel's breadth where the surface's tilt is unknown.
+// Rays skip hits within this share of a pixel's breadth if the surface's tilt is unknown.
 constexpr double pixel_share = 0.5;
 
 bool marked(const MaskRequest& r, uint32_t stencil) {
   return r.inexact != SIDERAY_EXACT && (stencil & r.inexact_bits) != 0;
 }
 
-// Returns by how many half steps of its format a depth may be off: one, for it was rounded to the format, and what the
-// driver's floats add. From 0 to 1 reversed they are as fine as the depth itself; otherwise they are near 1, wherever
-// the surface is. tests/embed/shadow_specks_test.cpp measures it.
+// Returns by how many half steps of its format a depth may be off: one for rounding to the format, plus the error of
+// the driver's floats. Reversed depth from 0 to 1 has floats as fine as the depth itself; other depths have floats near
+// 1, wherever the surface is. tests/embed/shadow_specks_test.cpp measures it.
 double half_steps_off(const MaskRequest& r) {
   constexpr double of_floats = 5.5;  // in 2^-24
   double off = 0.5 + static_cast<double>(r.shadow_bias_steps);
@@ -40,8 +40,8 @@ double half_steps_off(const MaskRequest& r) {
   return 2.0 * off;
 }
 
-// Returns the share of that by which neighbours differ: what is rounded to the format, and from -1 to 1 once before. A
-// driver's floats are off by nearly the same in both.
+// Returns the share of that error by which neighbours differ: the rounding to the format, and for depth from -1 to 1
+// one before it. The driver's floats have nearly the same error in both.
 double noise_of(const MaskRequest& r) {
   return (r.view.zero_to_one_depth ? 1.0 : 1.5) / half_steps_off(r);
 }
@@ -52,7 +52,7 @@ double largest(const glm::dvec3& v) {
 
 }  // namespace
 
-// Computes the points of a tile one by one.
+// Computes the points of a tile pixel by pixel.
 class DepthPoints::Single {
  public:
   void gather(const MaskRequest& request, const ViewRays& view, uint32_t x0, uint32_t y0, PointTile& tile);
@@ -61,45 +61,45 @@ class DepthPoints::Single {
   static constexpr uint32_t border = seen_border, side = tile_size + 2 * border;
   struct Seen {
     glm::dvec3 drawn;     // position by the depth buffer
-    glm::dvec3 position;  // with the rest pose's offset where that counts
+    glm::dvec3 position;  // with the rest pose's offset, if there is one
     double distance;      // along the view ray; infinite = nothing
-    double w;             // perspective: falls in proportion to the depth
-    double off;           // how much nearer it may be by the format's step and rounding; not set in the border
-    double noise;         // how much of that its neighbours may differ by
+    double w;             // perspective: inversely proportional to the depth
+    double off;           // largest error toward the eye, from the format's step and rounding; not set in the border
+    double noise;         // the part of it by which neighbours may differ
     glm::vec3 direction;  // direction of the view ray
     bool resting, marked;
   };
 
   void see(const MaskRequest& request, const ViewRays& view, uint32_t x0, uint32_t y0);
-  // Leads from one pixel to the next of a surface.
+  // Leads from one pixel of a surface to the next.
   struct Step {
     glm::dvec3 along;
     double slope;  // change of the depth, along the view ray
     double breadth;
-    bool known;  // otherwise neither neighbour shows the same surface, and it may be tilted by any angle
+    bool known;  // false: neither neighbour shows the same surface, and its tilt may be anything
   };
-  // Holds what the depth does on one side of a pixel.
+  // Describes how the depth continues on one side of a pixel.
   struct Side {
     double change;  // of the depth to the neighbour
-    double bend;    // by how much the step behind the neighbour differs from that; infinite = one is not there
-    bool ends;      // the neighbour is not there
-    bool straight;  // both are on one plane with the pixel
-    bool plane;     // the same, to a few steps of the depth
+    double bend;    // difference between that and the next step; infinite if a pixel is missing
+    bool ends;      // the neighbour is not on the surface
+    bool straight;  // pixel and both neighbours are on one plane
+    bool plane;     // the same with a tighter tolerance
   };
   // Holds both sides of a pixel along an axis.
   struct Sides {
     Side down, up;
     bool plane() const { return down.plane || up.plane; }
   };
-  // Looks at the pixels at `index` + `stride` and behind.
+  // Examines the pixels at `index` + `stride` and + 2 `stride`.
   Side look(size_t index, ptrdiff_t stride, bool perspective) const;
-  // Takes the neighbour at `index` + or - `stride` with which the surface goes on: where `planes` says that both axes
-  // show a plane, that of the straight side; and where neither or both are, the one nearer in distance.
+  // Steps to the neighbour at `index` + or - `stride` that continues the surface. If both axes show a plane (`planes`)
+  // it is the one on the straighter side; if neither or both sides are straight, it is the one nearer in distance.
   Step step(size_t index, ptrdiff_t stride, const Sides& sides, bool planes) const;
-  // Bounds the slope of the depth along the view ray: the steeper of the surface's two sides counts.
+  // Bounds the slope of the depth along the view ray, by the steeper of the surface's two sides.
   static double slope(const Side& best, const Side& other);
   static glm::dvec3 normal(const Step& across, const Step& up, const glm::dvec3& toward);
-  // Refines a point by the hit of a ray with the surface: nothing is rounded but the point itself.
+  // Refines a point by a ray's hit on the surface, of which only the point itself is rounded.
   static DepthPoint exact(DepthPoint point, const Seen& here, const OpaquePoint& met, double least);
   DepthPoint point(const MaskRequest& request, const ViewRays& view, uint32_t x, uint32_t y, size_t index) const;
 
@@ -112,7 +112,7 @@ void DepthPoints::Single::see(const MaskRequest& r, const ViewRays& view, uint32
     for (uint32_t i = 0; i < side; ++i) {
       Seen& s = seen_[size_t{j} * side + i];
       s.distance = nothing;
-      const uint32_t x = x0 + i - border, y = y0 + j - border;  // wraps below 0, beyond every size
+      const uint32_t x = x0 + i - border, y = y0 + j - border;  // wraps to large values below 0
       if (x >= r.width || y >= r.height) continue;
       const DepthTexel texel = read_depth(r.depth, x, y);
       if (r.view.reversed_depth ? texel.depth <= 0.0 : texel.depth >= 1.0) continue;
@@ -135,7 +135,7 @@ void DepthPoints::Single::see(const MaskRequest& r, const ViewRays& view, uint32
 DepthPoints::Single::Side DepthPoints::Single::look(size_t index, ptrdiff_t stride, bool perspective) const {
   const Seen& here = seen_[index];
   const size_t next = index + static_cast<size_t>(stride), beyond = next + static_cast<size_t>(stride);
-  // In perspective the distance changes from ray to ray where the depth does not; w is linear on a plane.
+  // In perspective the distance differs from ray to ray even at constant depth; w is linear on a plane.
   const auto depth = [&](size_t i) {
     const Seen& s = seen_[i];
     return perspective ? (1.0 - s.w / here.w) * here.distance : s.distance - here.distance;
@@ -151,8 +151,8 @@ DepthPoints::Single::Side DepthPoints::Single::look(size_t index, ptrdiff_t stri
 
 double DepthPoints::Single::slope(const Side& best, const Side& other) {
   const double steepest = slope_margin * std::abs(best.change);
-  // In front of empty space a surface may curve away; at a fold the steeper side counts; where one surface hides
-  // another, neither applies.
+  // At a silhouette a surface may curve away, and at a fold the steeper side counts; where another surface occludes it,
+  // neither applies.
   if (other.ends) return 2.0 * steepest;
   return other.straight ? std::max(steepest, slope_margin * std::abs(other.change)) : steepest;
 }
@@ -167,7 +167,7 @@ DepthPoints::Single::Step DepthPoints::Single::step(size_t index, ptrdiff_t stri
   };
   const double back = cost(before), forth = cost(after);
   if (std::min(back, forth) == nothing) return {glm::dvec3(0.0), 0.0, 0.0, false};
-  // Beside a fold the nearer neighbour may be on the other face, which the pixel's own depth does not see.
+  // Beside a fold the nearer neighbour may be on the other face.
   const auto& [down, up] = sides;
   const auto straighter = [&](const Side& one, const Side& other) {
     return planes && one.plane && straighter_factor * one.bend + straighter_noise * here.noise < other.bend;
@@ -180,8 +180,8 @@ DepthPoints::Single::Step DepthPoints::Single::step(size_t index, ptrdiff_t stri
   const double steepest = Single::slope(goes_on_after ? up : down, goes_on_after ? down : up);
   const double breadth = std::sqrt(std::max(glm::dot(drawn, drawn) - slope * slope, 0.0));
   if (slope <= steep * breadth) return {along, steepest, breadth, true};
-  // On a plane the inverse distance is linear: a third pixel on either side distinguishes a grazing surface from
-  // another one behind a thin leaf.
+  // On a plane the inverse distance is linear: a third pixel on either side distinguishes a grazing surface from a thin
+  // leaf in front of another surface.
   const auto straight = [&](const Seen& other, double steps) {
     const double first = 1.0 / next.distance - 1.0 / here.distance, third = 1.0 / other.distance - 1.0 / here.distance;
     return cost(other) < nothing && std::abs(third - steps * first) <= 0.1 * std::abs(first);
@@ -191,7 +191,8 @@ DepthPoints::Single::Step DepthPoints::Single::step(size_t index, ptrdiff_t stri
   return {glm::dvec3(0.0), steep * breadth, breadth, false};
 }
 
-// Returns the normal on the eye's side, also of the rest pose, which is not seen itself: columns go right and rows up.
+// Returns the normal on the eye's side. Columns go right and rows up, so that holds for the rest pose too, which is not
+// in the picture.
 glm::dvec3 DepthPoints::Single::normal(const Step& across, const Step& up, const glm::dvec3& toward) {
   glm::dvec3 n = -toward;
   if (across.known && up.known)
@@ -210,11 +211,11 @@ DepthPoint DepthPoints::Single::point(const MaskRequest& r, const ViewRays& view
     return Sides{look(index, -stride, view.perspective()), look(index, stride, view.perspective())};
   };
   const Sides columns = sides_along(1), rows = sides_along(ptrdiff_t{side});
-  // The slope of one face along one axis and of another along the other gives the normal of neither.
+  // If one axis steps along one face and the other along another, the normal belongs to neither.
   const bool planes = columns.plane() && rows.plane();
   const Step across = step(index, 1, columns, planes), up = step(index, ptrdiff_t{side}, rows, planes);
-  // The margin is half a step of the format with rounding, and what the rasterizer's grid of sub-pixels moves a slope
-  // by. The slope is exact up to what lies between neighbours, and to a step.
+  // The margin covers the depth's error and the rasterizer's snapping to its grid of sub-pixels, times the slope. The
+  // slope is exact up to the geometry between neighbours and a step of depth.
   const auto moved_by = [&](double stored) {
     return stored + (across.slope + up.slope + 4.0 * stored) * double{r.subpixel};
   };
@@ -228,12 +229,12 @@ DepthPoint DepthPoints::Single::point(const MaskRequest& r, const ViewRays& view
   p.normal = glm::vec3(normal);
   const auto doubt = [&](const Step& s) { return s.known ? 2.0 * here.off / glm::length(s.along) : 0.0; };
   p.doubt = static_cast<float>(std::min(doubt(across) + doubt(up), 2.0));
-  // In the rest pose the surface has another tilt: an error along the view ray or across it counts in full.
+  // In the rest pose the surface has another tilt, so errors along and across the view ray count in full.
   const double any_way = off + (across.breadth + up.breadth) * double{r.subpixel};
   const glm::dvec3 moved = here.resting ? normal * (any_way + least) : -toward * off + normal * least;
   p.front = glm::vec3(here.position + moved);
-  // Where the tilt is unknown, rays skip hits nearby. Behind the surface they start as close as possible, so as not to
-  // skip what is behind it.
+  // If the tilt is unknown, rays skip nearby hits. Behind the surface they start as close to it as possible, to miss no
+  // surface behind it.
   const bool known = across.known && up.known;
   const glm::dvec3 moved_back = known || here.resting ? moved : -toward * moved_by(here.noise) + normal * least;
   p.back = glm::vec3(here.position - moved_back);
@@ -320,7 +321,8 @@ PointView point_view(const MaskRequest& r, const ViewRays& view) {
   set(v.center, terms.center);
   set(v.along_x, terms.along_x);
   set(v.along_y, terms.along_y);
-  // Not by way of a vector of doubles: g++ 12 drops the rounding of doubles to floats and back (at -O2, two at a time).
+  // Vectors of doubles are avoided, because g++ 12 drops the rounding of doubles to floats and back (at -O2, two at a
+  // time).
   for (int i = 0; i < 3; ++i) v.eye[i] = static_cast<float>(terms.eye[i]);
   v.sign = terms.sign;
   v.w_x = terms.w.x;
@@ -336,7 +338,7 @@ PointView point_view(const MaskRequest& r, const ViewRays& view) {
   return v;
 }
 
-// Reads window depths of a row from `first` on, where something was drawn, into the places of `to`.
+// Reads the window depths of a row from `first` on into `to`; pixels without a surface get no_depth.
 template <typename Read>
 void read_row(uint32_t first, uint32_t end, bool reversed, double* to, const Read& read) {
   for (uint32_t x = first; x < end; ++x) {
@@ -414,13 +416,13 @@ const PointTile& DepthPoints::gather_singly(const MaskRequest& r, const ViewRays
   return *tile_;
 }
 
-// Fills what is seen, except rest poses.
+// Fills in the pixels as drawn, without rest poses.
 void DepthPoints::see(const MaskRequest& r, const PointView& view, uint32_t x0, uint32_t y0) {
   const uint32_t first = x0 < seen_border ? 0 : x0 - seen_border;
   const uint32_t end = std::min(x0 + tile_size + seen_border, r.width);
   alignas(64) double depth[seen_stride];
   for (int row = 0; row < seen_rows; ++row) {
-    const uint32_t y = y0 + static_cast<uint32_t>(row) - seen_border;  // wraps below 0, beyond every size
+    const uint32_t y = y0 + static_cast<uint32_t>(row) - seen_border;  // wraps to large values below 0
     std::fill_n(depth, seen_stride, no_depth);
     if (y < r.height) read_depths(r.depth, y, first, end, view.reversed != 0, depth + (first + seen_border - x0));
     const double first_x = static_cast<double>(x0) - seen_border, first_y = static_cast<double>(y0) - seen_border;
@@ -428,7 +430,7 @@ void DepthPoints::see(const MaskRequest& r, const PointView& view, uint32_t x0, 
   }
 }
 
-// Notes which pixels take the inexact test, and how far it moves their rays.
+// Notes which pixels take the inexact test, and its bias there.
 void DepthPoints::mark(const MaskRequest& r, uint32_t x0, uint32_t y0) {
   const bool bounded = r.inexact == SIDERAY_INEXACT_BOUNDED && !r.rest_offsets.empty();
   for_each_pixel(tile_->drawn, [&](uint32_t index) {
@@ -439,7 +441,7 @@ void DepthPoints::mark(const MaskRequest& r, uint32_t x0, uint32_t y0) {
   });
 }
 
-// Moves what is seen of marked pixels into the rest pose.
+// Moves the positions of marked pixels into the rest pose.
 void DepthPoints::rest(const MaskRequest& r, uint32_t x0, uint32_t y0) {
   seen_->rests = true;
   for (int i = 0; i < 3; ++i) std::copy_n(seen_->drawn[i], seen_rows * seen_stride, seen_->position[i]);

@@ -1,5 +1,5 @@
-// Computes where the rays of a tile's opaque pixels start: on the surface that the depth buffer shows, moved off it by
-// no more than the depth may be wrong. Holds scratch memory: one object per thread.
+// Computes where the rays of a tile's opaque pixels start: at the surface in the depth buffer, offset by no more than
+// the depth's error. It has scratch memory: one object per thread.
 #pragma once
 
 #include <array>
@@ -17,22 +17,22 @@ namespace sideray::rt {
 
 struct DepthPoint {
   uint16_t x, y;
-  // These lie on the side of the surface that the eye sees, and behind it: neither is inside whatever was drawn there.
+  // The start points in front of the surface, on the eye's side, and behind it, both offset by the depth's error.
   glm::vec3 front, back;
   glm::vec3 normal;  // geometric, unit, on the eye's side
   bool inexact;      // takes the inexact test
-  float bias;        // the bias B of the inexact test here, 0 where nothing may move
-  float doubt;       // sine of the angle by which steps of the depth may have turned the normal
-  float skip;        // hits nearer than this may be the surface itself: the side on which a ray starts is unknown
-  // Returns where a ray starts. In doubt it is in front: there a surface that faces the direction does not shadow
-  // itself, and one that faces away is dark as it should be.
+  float bias;        // bias B of the inexact test, 0 if nothing may move
+  float doubt;       // sine of the angle by which the depth's quantization may have turned the normal
+  float skip;        // hits nearer than this are ignored, because they may be the surface itself
+  // Returns where a ray starts. In doubt it starts in front: there a surface that faces the direction does not shadow
+  // itself, and one that faces away is dark, as it should be.
   glm::vec3 origin(glm::vec3 direction) const { return glm::dot(direction, normal) >= -doubt ? front : back; }
 };
 
-// Returns one of a tile's points by its index; it has to be drawn.
+// Returns one of a tile's points by its index; it must be in `drawn`.
 DepthPoint point_at(const PointTile& tile, uint32_t index);
 
-// Calls work(index) for each bit of the tile's blocks.
+// Calls work(index) for each set bit of the tile's blocks.
 template <typename Work>
 void for_each_pixel(const uint16_t (&blocks)[tile_blocks], const Work& work) {
   for (uint32_t block = 0; block < tile_blocks; ++block)
@@ -49,11 +49,12 @@ class DepthPoints {
   DepthPoints(DepthPoints&&) noexcept;
   DepthPoints& operator=(DepthPoints&&) noexcept;
 
-  // Returns the points of a tile's pixels where something was drawn. They replace the last tile's.
+  // Returns the points of a tile's pixels with a surface. They are valid until the next call.
   const PointTile& gather(const MaskRequest& request, const ViewRays& view, uint32_t x0, uint32_t y0);
-  // Leaves of the last tile's points one in each square of step x step pixels, the one in its middle. `step` divides the tile.
+  // Keeps of the last tile's points only those in the middle of squares of step x step pixels. `step` must divide the
+  // tile.
   const PointTile& thin(uint32_t step);
-  // Returns the same, one by one: for orthographic views, for points of rays, and to test the other by.
+  // Does the same pixel by pixel: for orthographic views, for points from rays, and for testing gather().
   const PointTile& gather_singly(const MaskRequest& request, const ViewRays& view, uint32_t x0, uint32_t y0);
 
  private:

@@ -16,10 +16,10 @@
 namespace sideray::rt {
 namespace {
 
-constexpr size_t first_combined = 32;  // of the snapshot's lights
+constexpr size_t first_combined = 32;  // index in the snapshot
 constexpr uint32_t never = UINT32_MAX;
 
-// Of the stencil those bits count that say which pixels take the inexact test.
+// Returns the stencil bits that mark pixels for the inexact test.
 uint32_t inexact_bits_of(const MaskRequest& r) {
   return r.inexact == SIDERAY_EXACT ? 0 : r.inexact_bits & 0xffu;
 }
@@ -29,7 +29,7 @@ bool reads_rest_offsets(const MaskRequest& r) {
          !r.rest_offsets.empty();
 }
 
-// In a jittered view static surfaces move by rounding alone, by less than this many pixels.
+// In a jittered view, static surfaces move only by rounding: by less than this many pixels.
 constexpr float most_still_motion = 0x1p-10f;
 
 bool stands_still(Executor& executor, const MaskRequest& r) {
@@ -53,14 +53,14 @@ model::Light as_masked(model::Light light, float least) {
   return light;
 }
 
-// Returns one of the masks: of a light, or the sky's behind them.
+// Returns the mask of a light, or the sky's, which follows them.
 template <typename Masks>
 auto mask_of(Masks& masks, size_t layer) {
   const size_t pixels = size_t{masks.width} * masks.height;
   return layer < masks.layers ? std::span(masks.lit).subspan(layer * pixels, pixels) : std::span(masks.open);
 }
 
-// Lets the rays' tints of a mask, if it has any, follow the mask itself.
+// Copies a mask, followed by the tints of its rays, if it has any.
 void keep_mask(const OcclusionMasks& masks, size_t layer, std::vector<uint8_t>& kept) {
   const std::span<const uint8_t> mask = mask_of(masks, layer);
   kept.assign(mask.begin(), mask.end());
@@ -165,14 +165,14 @@ void KeptMasks::restart(const Frame& frame) {
   cycle_ = turn_ = 0;
 }
 
-// Returns how many frames ago the frame's inputs were the same; 0: they are new.
+// Returns how many frames ago the frame's inputs were the same; 0: never.
 uint32_t KeptMasks::find_cycle(const Frame& frame, size_t layers) const {
   if (!complete_ || layers_.size() != layers) return 0;
   const auto found = std::find(frames_.rbegin(), frames_.rend(), frame);
   return found == frames_.rend() ? 0 : static_cast<uint32_t>(found - frames_.rbegin()) + 1;
 }
 
-// A frame that does not continue has the bits of another one with the same inputs, where that one followed none either.
+// A frame that starts a sequence reuses masks of one with the same inputs that started one too: the bits are the same.
 void KeptMasks::begin_first(const Frame& frame, const MaskRequest& r, std::vector<Layer>& layers) {
   const bool same = is_last(frame);
   for (size_t i = 0; i < layers.size(); ++i) {
@@ -208,7 +208,7 @@ void KeptMasks::begin_next(const Frame& frame, const MaskRequest& r, TracedScene
   if (frames_.size() > longest_cycle) frames_.erase(frames_.begin());
 }
 
-// A redrawn frame reuses the masks that it reused when it was drawn first.
+// A redrawn frame reuses the same masks as when it was first drawn.
 void KeptMasks::begin_again(const Frame& frame, const MaskRequest& r, std::vector<Layer>& layers) {
   const bool same = is_last(frame) && r.seed == seed_ &&
                     std::equal(layers.begin(), layers.end(), layers_.begin(), layers_.end(),
@@ -227,7 +227,7 @@ void KeptMasks::begin(const MaskRequest& r, TracedScene& scene, OcclusionMasks& 
   committed_ = scene.committed();
   std::vector<Layer> layers = layers_of(r, scene.shading());
   const bool fits = masks.width == r.width && masks.height == r.height && masks.layers == mask_layers_of(r);
-  if (!fits || r.hit_distances || !r.points.empty()) complete_ = false;  // the last two are of every frame
+  if (!fits || r.hit_distances || !r.points.empty()) complete_ = false;  // those two are needed in every frame
   const bool again = r.sequence == SequenceStep::again;
   if (again)
     begin_again(frame, r, layers);

@@ -1,10 +1,10 @@
-// Finds the masks of a sequence's frame that need no rays because nothing has changed: depth, view, the geometry that
-// rays hit, the light and the options are those of earlier frames. One object a sequence, where the same masks stay in
-// one OcclusionMasks from frame to frame. One thread calls it; it works on the executor's.  A mask without random
-// samples, and one with the same samples as before, is reused at once: the bits are the same. One whose samples differ
-// from frame to frame is a mean over frames. It is reused once it has converged: what it held before the view stood
-// still weighs less than half a step of a mask's 8 bits. From then on it does not change. A view that repeats the same
-// jittered positions, as for temporal anti-aliasing, stands still too: each position has masks of its own.
+// Finds the masks of a frame that need no rays because nothing has changed since earlier frames: depth, view, the
+// geometry that rays hit, the light and the options. One object a sequence, whose masks stay in one OcclusionMasks. One
+// thread calls it; it uses the executor's. A mask without random samples, or with the same ones, is reused at once,
+// with the same bits. If samples differ between frames, the mask is a mean over frames and is reused once it has
+// converged, when its content from before the view came to rest weighs less than half a step of 8 bits. From then on it
+// does not change. A view that repeats the same jittered positions, as for temporal anti-aliasing, counts as at rest
+// too: each position has its own masks.
 #pragma once
 
 #include <algorithm>
@@ -23,27 +23,27 @@ namespace sideray::rt {
 
 class KeptMasks {
  public:
-  static constexpr uint32_t longest_cycle = 8;  // frames after which a view may come back to the same place
+  static constexpr uint32_t longest_cycle = 8;  // the longest period of a view's jitter, in frames
 
-  // Returns for how many frames a mean over `history` frames goes on until what it held before weighs less than 1/512.
+  // Returns after how many frames the earlier content of a mean over `history` frames weighs less than 1/512.
   static uint32_t frames_to_settle(uint32_t history);
 
   // Begins the next frame and decides which of its masks are reused. If a view has returned to a jittered position,
-  // that position's masks are put into `masks`. Throws Failure where the view is none.
+  // copies that position's masks to `masks`. Throws Failure if the matrices describe no view.
   void begin(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks);
-  // Call when the others are traced and filtered. `whole`: no ray was skipped.
+  // Ends the frame, after the other masks are traced and filtered. `whole`: no ray was skipped.
   void end(const OcclusionMasks& masks, bool whole);
-  // Makes the next frame keep none.
+  // Makes the next frame reuse no mask.
   void forget() { complete_ = false; }
 
-  // What begin() decided of the masks of lights, by their layer, and of the sky's, behind them where there is one.
+  // Return which masks begin() decided to reuse: those of lights by layer, then the sky's, if there is one.
   bool keeps(uint32_t layer) const { return layers_[layer].kept; }
   bool keeps_all() const;
-  // Returns whether reused masks are of an earlier frame the last.
+  // Returns whether reused masks may be from a frame before the last one.
   bool brings_back() const { return cycle_ > 1; }
 
  private:
-  // What all masks of a frame depend on. Pictures are compared by their hashes.
+  // Holds the inputs that all masks of a frame depend on. Pictures are compared by their hashes.
   struct Frame {
     struct Inputs : sideray_mask_inputs {
       bool operator==(const Inputs& other) const { return ask_alike(*this, other); }
@@ -60,19 +60,20 @@ class KeptMasks {
     bool operator==(const Frame&) const = default;
   };
   struct Layer {
-    std::vector<model::Light> lights;  // that it depends on besides
-    uint64_t veils = 0;                // and which translucent surfaces, as scene_ numbers them; 0: none
-    std::shared_ptr<const model::Environment> sky;  // where its rays go; null: to lights
+    std::vector<model::Light> lights;  // lights that the mask also depends on
+    uint64_t veils = 0;                // number of the scene (scene_) if translucent surfaces affect the mask; 0: they
+                                       // do not
+    std::shared_ptr<const model::Environment> sky;  // the sky that its rays sample; null: they go to lights
     bool random = false, filtered = false;
-    uint32_t settles = 0;  // frames for which it is made while nothing changes
+    uint32_t settles = 0;  // frames until it has converged, while nothing changes
     uint32_t still = 0;    // frames in a row in which nothing has changed
     bool kept = false;
-    bool kept_at_first = false;  // where the frame is drawn again: what it was when it was drawn first
+    bool kept_at_first = false;  // `kept` when a redrawn frame was first drawn
     bool depends_as(const Layer& other) const {
       return lights == other.lights && veils == other.veils && sky == other.sky;
     }
   };
-  // The masks of one position in the pixel, by layer; empty where there is none.
+  // The masks of one jittered position, by layer; empty if there are none.
   using Place = std::vector<std::vector<uint8_t>>;
 
   static Frame frame_of(const MaskRequest& request, TracedScene& scene);
@@ -88,16 +89,16 @@ class KeptMasks {
   bool may_stay(const Layer& layer, size_t index, const MaskRequest& request) const;
   Place& place() { return places_[turn_ % longest_cycle]; }
 
-  bool complete_ = false;                    // the masks are those of the last frame
-  std::shared_ptr<const model::Snapshot> committed_;  // that of the last frame
-  uint64_t scene_ = 0;                       // grows with each commit that changes anything except the wind
-  std::vector<Frame> frames_;                // the last ones, oldest first, up to the longest cycle
-  std::vector<Layer> layers_;                // of the last frame; the sky's is the last
-  SequenceStep step_ = SequenceStep::first;  // of the last frame that was not drawn again
+  bool complete_ = false;                    // the masks hold the last frame
+  std::shared_ptr<const model::Snapshot> committed_;  // the last frame's
+  uint64_t scene_ = 0;                       // incremented by each commit that changes anything except the wind
+  std::vector<Frame> frames_;                // the last frames, oldest first, up to the longest cycle
+  std::vector<Layer> layers_;                // of the last frame; the sky's layer is last
+  SequenceStep step_ = SequenceStep::first;  // of the last frame that was not redrawn
   uint32_t seed_ = 0;                        // of the last frame
   uint32_t cycle_ = 0;                       // period of the jitter in frames; 0: none
-  uint32_t turn_ = 0;                        // of the frame in the cycle
-  std::array<Place, longest_cycle> places_;  // where the cycle has several
+  uint32_t turn_ = 0;                        // the frame's index in the cycle
+  std::array<Place, longest_cycle> places_;  // used if the cycle has several
 };
 
 }  // namespace sideray::rt

@@ -14,7 +14,7 @@
 namespace sideray::rt {
 namespace {
 
-// A point's ambient occlusion is blurred over about the distance of what occludes it.
+// A point's ambient occlusion is blurred over about the distance of its occluders.
 constexpr float open_tangent = 1.0f;
 
 
@@ -35,7 +35,7 @@ void copy_depths(Executor& executor, const MaskRequest& r, std::vector<float>& t
   });
 }
 
-// Fills the pixels by which what stands still moves on the screen when the camera moves.
+// Fills in how far, in pixels, static surfaces move on the screen when the camera moves.
 void fill_motion(Executor& executor, const FrameCamera& now, const FrameCamera& before, FilterFrame& frame) {
   frame.motion.resize(frame.depth.size());
   const glm::dmat4& m = before.clip_from_local;
@@ -53,8 +53,8 @@ void fill_motion(Executor& executor, const FrameCamera& now, const FrameCamera& 
   });
 }
 
-// Returns whether a frame's masks are averaged with the previous ones. History has been averaged once; if most of a
-// frame is history, a mean over frames would average the same rays again and again, and cost as if all were traced.
+// Returns whether a frame's masks are averaged with previous ones. History has been averaged already. If most of a
+// frame is history, averaging again would repeat the same rays and cost as much as if all were traced.
 bool is_averaged(const MaskRequest& r) {
   return !r.traced || r.traced->are_most;
 }
@@ -131,7 +131,7 @@ bool FilterFrames::follows(uint64_t& last, SequenceStep step) const {
   return std::exchange(last, number_) == expected && follows();
 }
 
-// Says of the filters' tiles whether a tint there may differ from 1.
+// Returns for each of the filters' tiles whether a tint there may differ from 1.
 std::vector<uint8_t> tint_seen(const OcclusionMasks& masks, uint32_t place) {
   constexpr uint32_t across = OcclusionMasks::tint_tile / OcclusionMasks::filter_tile;
   std::vector<uint8_t> seen;
@@ -219,8 +219,8 @@ SIDERAY_VECTORS void take_neighbour(const uint8_t* tints, const uint8_t* same, N
   }
 }
 
-// Marks the pixels of a row that differ from one of the four beside them by more than a filter leaves: few do. Without
-// branches, so that it becomes vectors.
+// Marks the pixels of a row that differ from one of their four neighbours by more than a filter leaves. They are few.
+// The loops have no branches, so that they become vector code.
 void mark_outstanding(const uint8_t* tints, const FilterFrame& frame, uint32_t y, uint8_t* marks) {
   constexpr int smooth = 4;
   const uint32_t width = frame.width;
@@ -263,8 +263,8 @@ std::vector<Calmed> calm_row(std::span<const uint8_t> tints, const FilterFrame& 
   return calmed;
 }
 
-// Says of the tiles of a place's row whether something is tinted there that was filtered in this frame. `unfiltered`: as
-// ShadowFilterInput has it.
+// Returns for the tiles of a place's row whether they hold a tint that was filtered in this frame. `unfiltered` is as
+// in ShadowFilterInput.
 std::vector<uint8_t> tiles_to_calm(const OcclusionMasks& masks, uint32_t place, uint32_t row, std::span<const uint8_t> unfiltered) {
   constexpr uint32_t across = OcclusionMasks::tint_tile / OcclusionMasks::filter_tile;
   const auto first = masks.tint_tiles.begin() + static_cast<ptrdiff_t>(masks.tint_tile_index(place, size_t{row} * masks.tint_columns()));
@@ -274,8 +274,8 @@ std::vector<uint8_t> tiles_to_calm(const OcclusionMasks& masks, uint32_t place, 
   return tiles;
 }
 
-// Does so in planes of tints, given by place and channel. Pixels are changed after all are computed, since neighbours
-// read them.
+// Clamps outliers in planes of tints, given by place and channel. It changes pixels after all are computed, because
+// neighbours read them.
 void calm(Executor& executor, const FilterFrame& frame, const std::vector<std::pair<uint32_t, uint32_t>>& planes,
           std::span<const uint8_t> unfiltered, OcclusionMasks& masks) {
   if (planes.empty()) return;
@@ -296,21 +296,21 @@ void calm(Executor& executor, const FilterFrame& frame, const std::vector<std::p
   });
 }
 
-// Holds what each filter of a frame works on.
+// Holds the inputs of a frame's filters.
 struct MaskFilters::Frame {
   std::vector<ShadowFilter*> filters;
   std::vector<ShadowFilterInput> inputs;
   std::vector<uint8_t*> masks;
   std::deque<std::vector<uint8_t>> seen;  // of tints
-  std::vector<uint32_t> grey;             // places of grey tints: one channel is filtered for all three
-  std::vector<std::pair<uint32_t, uint32_t>> tints;  // places and channels that are filtered
+  std::vector<uint32_t> grey;             // places with grey tints: one channel is filtered for all three
+  std::vector<std::pair<uint32_t, uint32_t>> tints;  // filtered places and channels
 };
 
 void MaskFilters::add(const shading::SfLight& light, std::span<uint8_t> mask, std::span<const float> hit_distance,
                       const Tiles& tiles, LightFilter& light_filter, const MaskRequest& r, Frame& frame) const {
   ShadowFilter& filter = light_filter.filter;
   const bool averaged = is_averaged(r), follows = frames_.follows(light_filter.last_frame, r.sequence) && averaged;
-  if (!averaged) light_filter.last_frame = 0;  // the next frame follows none
+  if (!averaged) light_filter.last_frame = 0;  // so that the next frame has no history
   if (!follows) filter.reset();
   if (follows && r.sequence == SequenceStep::next) filter.follow(light, frame_.depth_before);
   frame.filters.push_back(&filter);
@@ -328,7 +328,7 @@ void MaskFilters::add(const shading::SfLight& light, std::span<uint8_t> mask, st
                           .unfiltered = tiles.unfiltered});
 }
 
-// What the filter made last is of this frame, too.
+// Makes the filter's last result count for this frame too.
 void MaskFilters::keep(LightFilter& light_filter, const MaskRequest& r) const {
   frames_.follows(light_filter.last_frame, r.sequence);
 }

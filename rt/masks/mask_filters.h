@@ -1,6 +1,6 @@
-// Denoises a frame's shadow and ambient occlusion masks: within the frame, and along a sequence. Holds the history: one
-// object a sequence. Works on plain memory. One thread calls it; it works on the executor's. Same bits for any number
-// of threads.
+// Denoises a frame's shadow and ambient occlusion masks, within the frame and along a sequence. It holds the history:
+// one object a sequence. It works on plain memory. One thread calls it; it uses the executor's. The bits do not depend
+// on the number of threads.
 #pragma once
 
 #include <array>
@@ -18,28 +18,27 @@
 
 namespace sideray::rt {
 
-// Holds what the filters of all lights share in one frame.
+// Holds what the filters of all lights in a frame share.
 struct FilterFrame {
   uint32_t width = 0, height = 0;
   shading::SfView view{};
-  std::vector<float> depth;         // along the view's axis; 0 = nothing
-  std::vector<float> depth_before;  // of the previous frame, where this one follows it
-  std::vector<glm::vec2> motion;    // pixels, where only the view moved; empty: it stood still
+  std::vector<float> depth;         // along the view axis; 0 = no surface
+  std::vector<float> depth_before;  // of the previous frame, if this one follows it
+  std::vector<glm::vec2> motion;    // in pixels, for a moving camera; empty: it is at rest
 };
 
 shading::SfLight filter_light(const model::Light& light, const FrameCamera& camera);
-// Returns the light that blurs ambient occlusion, and the mask of the combined lights, as a light's size blurs its
-// shadow.
+// Returns parameters that blur ambient occlusion, and the mask of the combined lights, as a light of some size would.
 shading::SfLight filter_sky();
-// Returns whether there is noise to filter in a light's mask. `inexact`: some pixel takes a random test.
+// Returns whether a light's mask has noise to filter. `inexact`: some pixel takes a random test.
 bool is_filtered(const model::Light& light, bool inexact);
 bool is_random(sideray_inexact inexact, uint32_t inexact_bits);
 
-// Keeps depths and motion of a sequence's frames.
+// Keeps the depths and motion of a sequence's frames.
 class FilterFrames {
  public:
-  // Fills `frame` for the next view; returns false where this view, being orthographic, cannot be filtered. `follows`:
-  // there is an earlier frame.
+  // Fills `frame` for the next view; returns false for an orthographic view, which cannot be filtered. `follows`: there
+  // is an earlier frame.
   bool next(Executor& executor, const MaskRequest& request, const model::Snapshot& snapshot, FilterFrame& frame);
   // A frame is not filtered: the next one follows none.
   void skip() {
@@ -48,14 +47,13 @@ class FilterFrames {
   }
   const FrameCamera& camera() const { return *camera_; }
   bool follows() const { return before_.has_value(); }
-  // Returns whether the frame follows the one that a light's filter filtered last: a light's masks need not be
-  // requested in every frame, and a filter that skipped a frame has no history. `last` holds the number of that frame,
-  // 0 where there is none, and becomes this one's.
+  // Returns whether a light's filter also filtered the previous frame; its mask may have been skipped, and then it has
+  // no history. `last` is the number of the frame that it filtered last, 0 = none; it is set to this one.
   bool follows(uint64_t& last, SequenceStep step) const;
 
  private:
   std::optional<FrameCamera> camera_, before_;
-  uint64_t number_ = 0;  // counts the frames, without redrawn ones
+  uint64_t number_ = 0;  // counts frames, except redrawn ones
   glm::dvec3 origin_{0.0};
   uint32_t width_ = 0, height_ = 0;
 };
@@ -63,19 +61,19 @@ class FilterFrames {
 class MaskFilters {
  public:
   // Filters the masks in place, except those that MaskRequest::kept reuses; not to be called if it reuses all.
-  // Orthographic views stay as they are. Under a deadline history is filtered already, and stays; if it is more than
-  // half of the tiles, the others are filtered within the frame alone.
+  // Orthographic views are not filtered. Under a deadline, tiles that show history are filtered already and stay; if
+  // they are more than half of the tiles, the others are filtered without history.
   void filter(Executor& executor, const MaskRequest& request, const model::Snapshot& snapshot, OcclusionMasks& masks);
 
  private:
-  struct Frame;  // of all filters
-  // Of a mask: ShadowFilterInput's.
+  struct Frame;  // shared by all filters
+  // The fields of a mask's ShadowFilterInput.
   struct Tiles {
     std::span<const uint8_t> seen, unfiltered;
   };
   struct LightFilter {
     ShadowFilter filter;
-    uint64_t last_frame = 0;  // as FilterFrames::follows() keeps it
+    uint64_t last_frame = 0;  // for FilterFrames::follows()
   };
 
   void add(const shading::SfLight& light, std::span<uint8_t> mask, std::span<const float> hit_distance,
@@ -85,9 +83,9 @@ class MaskFilters {
 
   FilterFrames frames_;
   FilterFrame frame_;
-  std::vector<LightFilter> shadows_;  // by index of the light
+  std::vector<LightFilter> shadows_;  // by light index
   LightFilter combined_, unhidden_, open_;
-  // Of what translucent surfaces leave of red, green and blue: by index of the light, and of the combined ones.
+  // For the red, green and blue transmittance of translucent surfaces: by light index, and for the combined lights.
   std::vector<std::array<LightFilter, 3>> tints_;
   std::array<LightFilter, 3> combined_tint_;
 };

@@ -25,7 +25,7 @@ glm::mat3 frame_of(const RayLight& to) {
   return {vector(to.frame[0]), vector(to.frame[1]), vector(to.frame[2])};
 }
 
-// Returns the ray from a point, with the inexact test where the point is marked for it.
+// Returns the ray from a point, with the inexact test if the point is marked for it.
 Ray started(const RayRandom& random, const DepthPoint& p, glm::vec3 origin, glm::vec3 direction, float t_far) {
   Ray ray{origin, p.skip, direction, t_far};
   if (!p.inexact || random.inexact == SIDERAY_INEXACT_RESTPOSE) return ray;
@@ -43,7 +43,7 @@ InexactStart inexact_start(const RayRandom& random) {
   return {random.inexact == SIDERAY_INEXACT_ORIGIN ? starts_further : skips_near_hits, key};
 }
 
-// The library's sine and cosine are taken one by one: no polynomial of ours has their bits.
+// Sines and cosines are computed one by one by elementary/, because no vector code here has the same bits.
 void turn(RaySamples& samples) {
   for (uint32_t block = 0; block < tile_blocks; ++block)
     for (uint32_t bits = samples.wanted[block]; bits != 0; bits &= bits - 1) {
@@ -73,7 +73,7 @@ glm::vec2 TileSamples::at(uint32_t x, uint32_t y, uint32_t sample, uint32_t samp
   return PointSet(keys_.order[block], keys_.x[block], keys_.y[block])[(j % side * side + i % side) * samples + sample];
 }
 
-// Solves I (1 - (d / range)^4) / d^2 = E for d^2. The light's cone, which only takes some away, is ignored.
+// Solves I (1 - (d / range)^4) / d^2 = E for d^2. It ignores the light's cone, which only reduces its reach.
 model::Light reaching(const model::Light& light, float least) {
   const auto intensity = static_cast<double>(std::max({light.intensity.x, light.intensity.y, light.intensity.z}));
   if (!(least > 0.0f) || light.type == SIDERAY_LIGHT_DIRECTIONAL || !(intensity > 0.0)) return light;
@@ -171,7 +171,7 @@ void TileRays::draw(const SkyDirections& sky, const PointTile& tile) {
           sky.draw(SkyDirections::facing(normal), normal,
                    {samples_.u[i], std::min(samples_.azimuth[i] * glm::one_over_two_pi<float>(), 1.0f)});
       for (int k = 0; k < 3; ++k) samples_.drawn[k][i] = drawn.direction[k];
-      // Below the surface it would hit the surface itself at once, and the filter would see a contact that is none.
+      // A ray below the surface would hit that surface at once, and the filter would take it for a contact.
       if (drawn.weight == 0.0f) samples_.wanted[block] &= static_cast<uint16_t>(~(1u << (i % block_pixels)));
       weight_[i] = drawn.weight;
     }

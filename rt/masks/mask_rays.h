@@ -1,5 +1,5 @@
-// Makes the rays by which opaque pixels see lights and sky: of a whole tile at a time, or one. Any thread; TileRays is
-// scratch memory of its thread.
+// Makes the rays from opaque pixels to lights and sky, for a whole tile or one point. Any thread; TileRays is scratch
+// memory of its thread.
 #pragma once
 
 #include <cstdint>
@@ -14,21 +14,21 @@
 
 namespace sideray::rt {
 
-// Holds what a kind of rays draws its random numbers from, and how rays of pixels that take the inexact test start.
+// Holds what the random numbers of a kind of rays depend on, and the kind of the inexact test.
 struct RayRandom {
   uint32_t seed;
-  uint32_t purpose;    // of the points on a light, or in the sky
-  uint32_t layer;      // likewise
+  uint32_t purpose;    // of the samples on a light or in the sky
+  uint32_t layer;      // of the samples, as `purpose`
   uint32_t dimension;  // of the inexact test
   sideray_inexact inexact;
 };
 
-// Makes point sets over each 8x8 block of a tile's pixels, so that neighbours' samples are stratified: what a spatial
-// filter needs.
+// Makes point sets over each 8x8 block of a tile's pixels, so that neighbours' samples are stratified, which suits
+// spatial filters.
 class TileSamples {
  public:
   TileSamples(const RayRandom& random, uint32_t x0, uint32_t y0);
-  // Returns a sample of the pixel at (x, y) in the picture, of `samples`.
+  // Returns one of the `samples` of the pixel at (x, y) in the picture.
   glm::vec2 at(uint32_t x, uint32_t y, uint32_t sample, uint32_t samples) const;
   const SampleKeys& keys() const { return keys_; }
 
@@ -39,15 +39,15 @@ class TileSamples {
 
 inline constexpr uint32_t bias_purpose = 32;  // of the inexact test's random numbers
 
-// Returns the light with a range no longer than where it adds `least` to a white, matt surface that faces it, in
-// radiance. 0, or a directional light: the light as it is.
+// Returns the light with its range reduced to where it adds the radiance `least` to a white diffuse surface that faces
+// it. If `least` is 0 or the light is directional, returns it unchanged.
 model::Light reaching(const model::Light& light, float least);
 
 RayLight rays_to(const model::Light& light);
-// Returns ray `index` of the pixel's `count` rays to the sky, as far as `distance`.
+// Returns ray `index` of a pixel's `count` rays to the sky, which end at `distance`.
 RayLight rays_to_the_sky(float distance, uint32_t count, uint32_t index);
 
-// Makes the ray of one point; returns false where the light sends nothing there.
+// Makes the ray of one point; returns false if the light does not reach it.
 bool make_ray(const RayLight& to, const RayRandom& random, const TileSamples& samples, const DepthPoint& point,
               Ray& ray);
 
@@ -56,15 +56,15 @@ class TileRays {
  public:
   explicit TileRays(const PointKernels& kernels = point_kernels()) : kernels_(&kernels) {}
 
-  // Makes the rays of all points that the light sends something to, block by block.
+  // Makes the rays of all points that the light reaches, block by block.
   void make(const RayLight& to, const RayRandom& random, const TileSamples& samples, const PointTile& tile);
-  // The same for the sky: directions are drawn by the light that it sends; black parts get none. Weights are 1
-  // afterwards.
+  // Does the same for the sky, with directions sampled by its radiance; black parts get none. weight() then holds the
+  // sampling weights.
   void make(const RayLight& to, const SkyDirections& sky, const RayRandom& random, const TileSamples& samples,
             const PointTile& tile);
   void clear() { count_ = 0, drawn_ = false; }
   void push_back(const Ray& ray, uint32_t pixel);
-  // Keeps the rays whose number keep(number) accepts.
+  // Keeps the rays for whose index keep(index) is true.
   template <typename Keep>
   void keep(const Keep& keep) {
     uint32_t kept = 0;
@@ -76,7 +76,7 @@ class TileRays {
   uint32_t size() const { return count_; }
   uint32_t pixel(uint32_t ray) const { return pixel_[ray]; }                         // its index in the tile
   const uint16_t* pixels() const { return pixel_; }
-  float weight(uint32_t ray) const { return drawn_ ? weight_[pixel_[ray]] : 1.0f; }  // as SkyDirections::Draw has it
+  float weight(uint32_t ray) const { return drawn_ ? weight_[pixel_[ray]] : 1.0f; }  // as SkyDirections::Draw
   RayColumns columns() const;
 
  private:
@@ -93,7 +93,7 @@ class TileRays {
   alignas(64) float t_far_[room];
   uint16_t pixel_[room];
   bool drawn_ = false;
-  float weight_[point_tile_pixels];  // where they are drawn, by pixel
+  float weight_[point_tile_pixels];  // of sampled directions, by pixel
   RaySamples samples_;
 };
 

@@ -20,7 +20,7 @@ sideray_mask_inputs default_mask_inputs() {
 }
 
 bool ask_alike(const sideray_mask_inputs& a, const sideray_mask_inputs& b) {
-  // `moving`, the last, changes no mask.
+  // `moving`, the last field, changes no mask.
   constexpr size_t compared = offsetof(sideray_mask_inputs, moving);
   static_assert(compared == sizeof(size_t) + 14 * sizeof(uint32_t) && sizeof(a) - compared <= 2 * sizeof(uint32_t),
                 "padding would be compared, or a field not");

@@ -12,17 +12,17 @@ namespace sideray::rt {
 namespace {
 
 constexpr uint32_t point_purpose = 31, ao_purpose = 33, combined_purpose = 34;
-// Stands for the layer in random numbers; masks of single lights have the numbers below.
+// The combined lights' layer in random numbers; single lights have lower numbers.
 constexpr uint32_t combined_dimension = 32;
 constexpr uint32_t open_dimension = 64;  // of the first ambient ray
-constexpr uint32_t coarse_rays = 4;      // at least, of a sample that stands for many pixels
+constexpr uint32_t coarse_rays = 4;      // at least, for a sample that represents many pixels
 // Side in pixels of the blocks that share bounds of the combined lights.
 constexpr uint32_t combined_block = 8;
-// Even toward a point sixteen incoherent rays are faster than eight coherent ones, and coherent packets hold at most
-// eight (occlusion_width()).
+// Even toward a point, packets of sixteen incoherent rays are faster than coherent ones, which hold at most eight rays
+// (occlusion_width()).
 constexpr bool rays_agree = false;
 
-// A filter looks at the 5x5 pixels around each: a quarter of them suffice.
+// A filter reads the 5x5 pixels around each, so a quarter of them suffices.
 bool is_measured(uint32_t column, uint32_t row) {
   return ((column | row) & 1) == 0;
 }
@@ -357,7 +357,7 @@ void MaskTracer::make_open_rays(const RayLight& to, const RayRandom& random, con
 
 void MaskTracer::store_open(const PointTile& points, const Worker& w) const {
   for_each_pixel(points.drawn, [&](uint32_t pixel) {
-    // No ray of such a pixel goes to where light comes from.
+    // No ray of such a pixel has weight: the sky sends no light in their directions.
     if (!(w.sum[pixel] > 0.0f)) return;
     masks_.open[texel(0, points, pixel)] = share(w.open[pixel], w.sum[pixel]);
     if (request_.unhidden_sky) masks_.lit[texel(lights_, points, pixel)] = share(w.unhidden[pixel], w.sum[pixel]);

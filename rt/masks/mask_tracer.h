@@ -1,5 +1,5 @@
-// Traces a frame's masks tile by tile: which of the rays from its points to lights, and into the sky, something stops. Threads
-// trace different tiles, each with a worker of its own.
+// Traces a frame's masks tile by tile: finds which rays from its points to lights and sky are occluded. Threads trace
+// different tiles, each with its own Worker.
 #pragma once
 
 #include <array>
@@ -27,70 +27,70 @@ class MaskTracer {
  public:
   static constexpr uint32_t tile_size = DepthPoints::tile_size;
   static constexpr uint32_t filter_tile = OcclusionMasks::filter_tile;
-  static constexpr uint32_t filter_across = tile_size / filter_tile;  // of a tile, and as many down
+  static constexpr uint32_t filter_across = tile_size / filter_tile;  // filter tiles per tile, across and down
 
-  // Memory of one thread.
+  // Is the scratch memory of one thread.
   struct Worker {
     DepthPoints points;
     TileRays rays;
     CombinedLights::Block drawn;
     std::vector<DepthPoint> block;        // points of a block
-    std::vector<uint32_t> block_indices;  // and which they are
+    std::vector<uint32_t> block_indices;  // their indices in the tile
     std::vector<Ray> chosen;
-    std::vector<uint32_t> of_chosen;  // index of its pixel
+    std::vector<uint32_t> of_chosen;  // pixel of each chosen ray
     std::array<uint8_t, tile_size * tile_size> occluded;
     std::vector<Hit> hits;
     Veils veils;
     TileTints tints;
-    std::vector<Ray> clear;  // those that nothing opaque stops
+    std::vector<Ray> clear;  // rays without an opaque occluder
     std::vector<uint32_t> of_clear;
     std::vector<float> of_clear_weights;
-    // Sums over a pixel's rays to the sky: of their weights, and of those that go through.
+    // Sums over a pixel's rays to the sky: of all weights, of unoccluded ones, and of those without an opaque occluder.
     std::array<float, tile_size * tile_size> sum, open, unhidden;
     Counters counters;
   };
 
-  // All arguments must outlive the object. `masks` have the size that the request has.
+  // All arguments must outlive the object. `masks` must have the request's size.
   MaskTracer(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks);
 
   bool traces_lights() const;
-  // Stores what nothing opaque hides beside the sky's mask.
+  // Returns whether the sky is traced, which also stores the unhidden share.
   bool traces_sky() const { return request_.ao_rays > 0 && !is_kept(masks_.layers); }
 
-  // Makes a tile lit, and its distances infinite.
+  // Makes a tile lit, with infinite distances.
   void open_tile(size_t tile) const;
 
   void open_sky(size_t tile) const;
 
   void trace_shadows(size_t tile, Worker& w) const;
 
-  // Stores the threads' tints in the masks. `fresh`, of each tile: 1 if it is of this frame, or is lit because it was
-  // skipped.
+  // Copies the threads' tints to the masks. `fresh`, by tile: 1 if it was traced in this frame, or is lit because it
+  // was skipped.
   void store_tints(std::span<Worker> workers, std::span<const uint8_t> fresh, Executor& executor) const;
 
-  // Finds the hit distances that trace_shadows() left out: of all-dark tiles beside lit ones.
+  // Measures the hit distances that trace_shadows() left out: in all-dark tiles beside lit ones.
   void trace_borders(size_t tile, Worker& w) const;
 
-  // Measures the distance of every dark pixel where the light is seen in part.
+  // Measures the distance of every dark pixel in penumbrae.
   void trace_distances(size_t tile, Worker& w) const;
 
   void trace_open(size_t tile, Worker& w) const;
 
-  // Samples the sky of a tile for pixels that have no rays of their own yet.
+  // Samples the sky of a tile, for pixels that have no rays of their own yet.
   void sample_sky(size_t tile, Worker& w, CoarseSky& sky) const;
 
   size_t tiles() const { return size_t{columns()} * tile_count(request_.height); }
-  // Which tile is traced in which turn; empty = as they are numbered.
+  // Returns the order in which tiles are traced; empty = by number.
   std::vector<uint32_t> turns(OlderMasks::Part part) const;
 
  private:
   struct Layer {
-    RayLight rays;  // not of the combined lights
+    RayLight rays;  // unused for the combined lights
     bool filtered;
-    bool kept;  // stays as it is
+    bool kept;  // reused, not traced
   };
 
-  // Sums up what n rays of each point find.
+  // Adds up the results of n rays of each point.
   void look_at_sky(const PointTile& points, uint32_t n, bool measures_first, Worker& w) const;
 
   static uint8_t share(float open, float sum) { return static_cast<uint8_t>(std::clamp(open * (255.0f / sum) + 0.5f, 0.0f, 255.0f)); }
@@ -109,7 +109,7 @@ class MaskTracer {
   template <typename T>
   void fill_tile(std::vector<T>& plane, uint32_t layer, size_t tile, T value) const;
 
-  // Calls work(column, row) for each of the filters' tiles within a tile.
+  // Calls work(column, row) for each filter tile of a tile.
   template <typename Work>
   void for_each_filter_tile(size_t tile, const Work& work) const;
   size_t filter_index(uint32_t layer, uint32_t u, uint32_t v) const { return masks_.filter_index(layer, u, v); }
@@ -118,31 +118,31 @@ class MaskTracer {
   bool has_penumbra(uint32_t layer, size_t tile) const;
   bool is_dark(uint32_t layer, size_t tile) const;
 
-  // Makes the distances of one of the filters' tiles infinite again, where an earlier frame set some.
+  // Resets the distances of a filter tile to infinite, if an earlier frame set some.
   void forget_distances(uint32_t layer, uint32_t u, uint32_t v) const;
 
-  // Writes what is occluded, and what the filters' tiles see; returns whether there is some, and not all, in shadow.
+  // Writes occluded pixels and the filter tiles' Seen bits; returns whether the tile is partly in shadow.
   bool darken(const PointTile& points, uint32_t layer, size_t tile, Worker& w) const;
 
-  // Finds what translucent surfaces leave of the rays that nothing opaque stops.
+  // Finds the transmittance of translucent surfaces for rays without an opaque occluder.
   void pass_glass(uint32_t layer, size_t tile, Worker& w) const;
 
   RayRandom random_of(uint32_t layer) const;
 
   void make_rays(const PointTile& points, uint32_t layer, Worker& w) const;
 
-  // Finds the points that draw lights from the same bounds.
+  // Finds the points of a block, which sample lights from the same bounds.
   void gather_block(const PointTile& points, uint32_t block, Worker& w) const;
 
-  // Makes one ray a point, to the light that it draws.
+  // Makes one ray a point, to its sampled light.
   void make_block_rays(const RayRandom& random, const TileSamples& samples, Worker& w) const;
 
-  // Measures how far the rays go that wanted(ray, pixel) names.
+  // Measures the hit distances of the rays for which wanted(ray, pixel) is true.
   template <typename Wanted>
   void measure(const PointTile& points, uint32_t layer, std::vector<float>& distances, Worker& w,
                const Wanted& wanted) const;
 
-  // Takes away what translucent surfaces keep of the rays that nothing opaque stops.
+  // Subtracts what translucent surfaces absorb from rays without an opaque occluder.
   void see_through_veils(const PointTile& points, bool measures, Worker& w) const;
 
   void make_open_rays(const RayLight& to, const RayRandom& random, const TileSamples& samples, const PointTile& points,
@@ -150,7 +150,7 @@ class MaskTracer {
 
   void store_open(const PointTile& points, const Worker& w) const;
 
-  // The filter takes the rest from the pixel's neighbours.
+  // Measures only some pixels; the filter uses neighbours for the others.
   void measure_open(const PointTile& points, Worker& w) const;
 
   template <typename Wanted>
@@ -162,8 +162,8 @@ class MaskTracer {
   const Intersector& intersector_;
   ViewRays view_;
   bool tinted_, veiled_;
-  const SkyDirections* sky_;  // where rays go there; null: by the cosine
-  uint32_t lights_;           // masks of them; the one of what is not hidden is behind
+  const SkyDirections* sky_;  // of ray directions; null: by the cosine
+  uint32_t lights_;           // number of light masks; the unhidden sky's mask follows
   std::vector<Layer> layers_;
   CombinedLights combined_;
   OcclusionMasks& masks_;

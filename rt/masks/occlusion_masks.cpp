@@ -19,12 +19,12 @@
 namespace sideray::rt {
 namespace {
 
-// Tiles around a wanted one that are filtered, and traced, for it: a filter takes its width from the tiles beside, and
-// these from those beside them. Masks of lights need one more for clamping tints, and one whose borders are measured.
-// In filter_tile and tile_size.
+// How many tiles around a wanted one are filtered and traced for it: a filter takes its width from the tiles beside it,
+// and they from theirs. Masks of lights need one more tile for clamping tints, and one for measured borders. In units
+// of filter_tile and tile_size.
 constexpr uint32_t lights_filtered = 2, sky_filtered = 1, lights_traced = 2, sky_traced = 1;
-// Share of the tiles without history that are sampled in a frame whatever its budget: a sixteenth of a tile's work
-// each.
+// The share of tiles without history (1 in 8) whose sky is sampled in each frame, whatever the budget. Each costs a
+// sixteenth of a traced tile.
 constexpr size_t least_sampled = 8;
 
 void check(const MaskRequest& r, const model::Snapshot& snapshot) {
@@ -49,7 +49,7 @@ void check(const MaskRequest& r, const model::Snapshot& snapshot) {
   if (r.unhidden_sky && r.ao_rays == 0) fail(SIDERAY_INTERNAL, "masks: unhidden without ambient occlusion");
 }
 
-// Makes the masks as large as the request asks; what they held last counts where their size stays.
+// Resizes the masks as requested; their content stays if the size does.
 void fit(const MaskRequest& r, OcclusionMasks& masks) {
   const size_t pixels = size_t{r.width} * r.height;
   const uint32_t layers = mask_layers_of(r);
@@ -71,7 +71,7 @@ void fit(const MaskRequest& r, OcclusionMasks& masks) {
   masks.open_distance.resize(r.ao_rays > 0 && r.filters ? pixels : 0);
 }
 
-// For hosts that look masks up by the places of surfaces.
+// Fills in depths for hosts that look masks up by surface positions.
 void find_depth(const MaskRequest& r, Executor& executor, OcclusionMasks& masks) {
   if (!r.moving) {
     masks.depth.clear();
@@ -81,19 +81,19 @@ void find_depth(const MaskRequest& r, Executor& executor, OcclusionMasks& masks)
   masks.depth_step = r.depth.format == DepthFormat::d16 ? 0x1p-16f : 0x1p-24f;
 }
 
-// The masks of the sky come behind those of lights, and get half of the time.
+// The sky's masks are traced after those of lights, and get half of the time.
 WorkTime half_of(WorkTime work) {
   const Deadline now = Deadline::clock::now();
   if (has_deadline(work.deadline) && work.deadline > now) work.deadline = now + (work.deadline - now) / 2;
   return work;
 }
 
-// Whether some mask of a position was not traced yet since it began.
+// Returns whether some mask of a position has not been traced yet.
 bool waits(const MaskRequest& r, const Counters& counters) {
   return r.position_frames > 0 && (counters.mask_pixels_late > 0 || counters.frames_waiting >= r.position_frames);
 }
 
-// Fills `masks`, except those that the request reuses.
+// Traces `masks`, except those that the request reuses.
 Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
   check(r, *scene.shading().snapshot);
   Executor& executor = scene.executor();
@@ -108,7 +108,7 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
   const MaskTracer tracer(r, scene, masks);
   std::vector<MaskTracer::Worker> workers(executor.threads());
   std::atomic<bool> whole{true};
-  std::vector<uint8_t> fresh(tracer.tiles(), 1);  // tiles of lights that do not show history
+  std::vector<uint8_t> fresh(tracer.tiles(), 1);  // by tile: lights do not show history
   const std::vector<uint8_t> for_lights = traced_tiles(r.wanted, r.width, lights_traced);
   const std::vector<uint8_t> for_sky = traced_tiles(r.wanted, r.width, sky_traced);
   if (!for_lights.empty()) fresh = for_lights;
@@ -127,7 +127,7 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
     const std::vector<uint32_t> turns = tracer.turns(part);
     WorkClock clock(time);
     std::atomic<size_t> next{0};
-    // Threads have parts of the numbers each; where the order counts, each free thread takes the next.
+    // Without an order, threads get ranges of numbers; with one, each free thread takes the next tile.
     executor.run(tracer.tiles(), [&](size_t numbered, uint32_t thread) {
       const size_t number = turns.empty() ? numbered : next++, tile = turns.empty() ? numbered : turns[number];
       if (is_cancelled() || !clock.run(number, [&] {
@@ -171,7 +171,7 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
   };
   if (older && tracer.traces_sky() && r.position_frames == 0) sum.trace_ao_ms += sample_sky();
   if (tracer.traces_lights()) {
-    PiecesLeft pieces{r.work.pieces ? r.work.pieces->load() : 0};  // the sky has as many
+    PiecesLeft pieces{r.work.pieces ? r.work.pieces->load() : 0};  // the sky gets as many
     WorkTime time = tracer.traces_sky() ? half_of(r.work) : r.work;
     if (r.work.pieces) time.pieces = &pieces;
     sum.trace_shadow_ms += run(OlderMasks::of_lights, time,
@@ -182,7 +182,7 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
       tracer.store_tints(workers, fresh, executor);
       sum.trace_shadow_ms += storing.ms();
     }
-    // Borders are those of whole masks.
+    // Borders are measured only in complete masks.
     const bool later = std::ranges::any_of(workers, [&](const MaskTracer::Worker& w) { return waits(r, w.counters); });
     if (r.filters && !later)
       sum.trace_shadow_ms += run_after([&](size_t tile, MaskTracer::Worker& w) { tracer.trace_borders(tile, w); });
@@ -198,7 +198,7 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
   return sum;
 }
 
-// Returns the filters' tiles in the tiles that are wanted, and up to `around` beside them.
+// Returns the filter tiles of the wanted tiles, and up to `around` tiles beside them.
 std::vector<uint8_t> filter_tiles_of(const WantedTiles& wanted, const OcclusionMasks& masks, uint32_t around) {
   const uint32_t columns = tile_count(masks.width);
   std::vector<uint8_t> result;
@@ -208,7 +208,7 @@ std::vector<uint8_t> filter_tiles_of(const WantedTiles& wanted, const OcclusionM
   return grown(result, masks.filter_columns(), around);
 }
 
-// The history has the frame's depths already, and is filtered.
+// The history has computed the frame's depths, and is filtered already.
 void filter(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
   MaskRequest filtered = r;
   std::vector<uint8_t> of_lights, of_sky;

@@ -1,5 +1,5 @@
-// Traces shadow and ambient occlusion masks of a frame's opaque pixels, by rays from the depth buffer, and filters them. One
-// call at a time. Pixels: row 0 is the bottom row.
+// Traces shadow and ambient occlusion masks of a frame's opaque pixels, by rays from the depth buffer, and filters
+// them. One call at a time. Row 0 of pixels is the bottom row.
 #pragma once
 
 #include "rt/base/counters.h"
@@ -8,8 +8,7 @@
 
 namespace sideray::rt {
 
-// Fills `masks`, except those that the request reuses; lights of the request that the scene does not have are an error.
-// Throws Failure.
+// Fills `masks`, except those that the request reuses. Throws Failure, also if the scene lacks a light of the request.
 Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks);
 
 }  // namespace sideray::rt

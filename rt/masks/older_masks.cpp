@@ -16,7 +16,7 @@ namespace {
 constexpr uint32_t tile_side = frame_tile_size;
 constexpr uint32_t filter_side = OcclusionMasks::filter_tile;
 
-// Leaves out what masks of single lights do not show.
+// Clears the fields of lights that masks of single lights do not depend on.
 std::vector<model::Light> lights_as_masked(const MaskRequest& request, std::vector<model::Light> lights) {
   if (request.combined_lights) return lights;
   for (model::Light& light : lights) {
@@ -26,11 +26,11 @@ std::vector<model::Light> lights_as_masked(const MaskRequest& request, std::vect
   return lights;
 }
 
-// Counts the pixels of a row of a tile that show a surface.
+// Counts the pixels with a surface in a row of a tile.
 void count_row(std::span<const uint8_t> ages, const float* depths, Counters& counters) {
   std::array<uint8_t, tile_side> shows;
   for (size_t i = 0; i < ages.size(); ++i) shows[i] = depths[i] > 0.0f;
-  uint8_t late = 0, older = 0, most = 0;  // bytes are enough for a row, and vectorized
+  uint8_t late = 0, older = 0, most = 0;  // bytes suffice for a row, and vectorize
   for (size_t i = 0; i < ages.size(); ++i) {
     const auto known = static_cast<uint8_t>(shows[i] & (ages[i] != OlderMasks::no_answer));
     late = static_cast<uint8_t>(late + (shows[i] - known));
@@ -42,7 +42,7 @@ void count_row(std::span<const uint8_t> ages, const float* depths, Counters& cou
   counters.answer_age = std::max<uint64_t>(counters.answer_age, most);
 }
 
-// Corrects the counters of a row by the sky's masks, after those of lights were counted: a pixel that lacks one mask is
+// Corrects a row's counters by the sky's masks, after those of lights were counted. A pixel that lacks one mask is
 // late; otherwise it is older if one mask is. Counters wrap, so a difference may be negative.
 void add_row(std::span<const uint8_t> sky, std::span<const uint8_t> lights, bool lights_are_new, const float* depths,
              Counters& counters) {
@@ -58,7 +58,7 @@ void add_row(std::span<const uint8_t> sky, std::span<const uint8_t> lights, bool
   }
 }
 
-// A tile's pixels, cut off at the picture's edge.
+// Holds the bounds of a tile's pixels, clipped to the picture.
 struct TilePixels {
   uint32_t x0, y0, x1, y1;
   TilePixels(const MaskRequest& r, size_t tile) {
@@ -78,8 +78,8 @@ bool is_kept(const MaskRequest& r, uint32_t layer) {
   return r.kept && r.kept->keeps(layer);
 }
 
-// Calls work(plane of a part's masks, texels of the masks, layer as KeptMasks counts) for each mask of a part. The masks of
-// lights come first, then three planes for each place of tints.
+// Calls work(plane in the part, its texels, layer as KeptMasks counts) for each mask of a part. Masks of lights come
+// first, then three planes for each place of tints.
 template <typename Masks, typename Work>
 void for_planes(const MaskRequest& r, OlderMasks::Part part, Masks& masks, const Work& work) {
   const size_t pixels = size_t{r.width} * r.height;
@@ -103,7 +103,7 @@ size_t planes_of(const MaskRequest& r, OlderMasks::Part part, const OcclusionMas
   return r.ao_rays == 0 ? 0 : r.unhidden_sky ? 2 : 1;
 }
 
-// The least and the largest of some texels.
+// Holds the smallest and largest of some texels.
 struct Extent {
   uint8_t least = 255, largest = 0;
   void add(const uint8_t* texels, size_t count) {
@@ -119,14 +119,14 @@ struct Extent {
   }
 };
 
-// Calls work(row's first texel, its texels) for the rows of a tile of a plane.
+// Calls work(first texel, count) for each row of a tile in a plane.
 template <typename Work>
 void for_rows(const MaskRequest& r, size_t tile, const Work& work) {
   const TilePixels t(r, tile);
   for (uint32_t y = t.y0; y < t.y1; ++y) work(size_t{y} * r.width + t.x0, t.x1 - t.x0);
 }
 
-// Says what the filters' tiles of a layer see in a tile of the masks.
+// Sets the Seen bits of a layer's filter tiles in a tile of the masks.
 void mark_seen(const MaskRequest& r, size_t tile, uint32_t layer, OcclusionMasks& masks) {
   const TilePixels t(r, tile);
   const uint8_t* texels = &masks.lit[size_t{layer} * r.width * r.height];
@@ -158,7 +158,7 @@ void OlderMasks::fit(const MaskRequest& r) {
   lacks_sky_.assign(r.ao_rays > 0 ? tiles_of(r) : 0, 1);
 }
 
-// What moves is read while it is written elsewhere.
+// Copies the mixed tiles, because reprojection reads them while the masks are overwritten.
 void OlderMasks::keep_mixed(const MaskRequest& r, Part part, const OcclusionMasks& masks, Executor& executor) {
   Kept& p = parts_[part];
   const size_t pixels = size_t{r.width} * r.height, tiles = tiles_of(r);
@@ -196,7 +196,7 @@ void OlderMasks::begin(const MaskRequest& r, TracedScene& scene, const Occlusion
   lights_ = lights_as_masked(r, snapshot.lights);
   environment_ = snapshot.environment;
   request_ = r;
-  // A plane that a tint was given in the last frame is lit where none was found.
+  // A plane that the last frame added for tints is lit elsewhere.
   for (const Part part : {of_lights, of_sky})
     parts_[part].shades[now_].resize(planes_of(r, part, masks) * tiles_of(r), all_lit);
   if (!goes_on) return;
@@ -239,7 +239,7 @@ void OlderMasks::end_frame(const MaskRequest& r, const OcclusionMasks& masks, Ex
         const size_t columns = tile_count(r.width);
         for (size_t tile = row * columns; tile < (row + 1) * columns; ++tile) {
           Shade& shade = p.shades[now_][plane * tiles + tile];
-          if (is_kept(r, layer)) shade = mixed;  // it may be that of a frame long before
+          if (is_kept(r, layer)) shade = mixed;  // which may be from a much earlier frame
           if (p.turns[tile] != number_ || is_kept(r, layer)) continue;
           Extent extent;
           for_rows(r, tile, [&](size_t first, uint32_t count) { extent.add(texels + first, count); });
@@ -258,7 +258,7 @@ void OlderMasks::tell_answers(const MaskRequest& r, Executor& executor, Occlusio
   executor.run(tile_count(r.height), [&](size_t row, uint32_t) {
     const size_t first = row * tile_side * r.width, end = std::min(first + size_t{tile_side} * r.width, masks.answers.size());
     uint8_t least = all;
-    for (size_t i = first; i < end; ++i) {  // without branches, which becomes vectors
+    for (size_t i = first; i < end; ++i) {  // without branches, for vector code
       uint8_t answer = all;
       if (!lights.empty()) answer &= lights[i] == no_answer ? uint8_t{OcclusionMasks::answer_of_sky} : all;
       if (!sky.empty()) answer &= sky[i] == no_answer ? uint8_t{OcclusionMasks::answer_of_lights} : all;

@@ -1,7 +1,7 @@
-// The history of masks, for tiles that have no turn under a deadline: filtered masks are reprojected with their
-// surface, and the least recently traced tile comes first in the next frame. Most tiles of most masks are all lit or
-// all dark and are flagged as such, so that they are neither copied nor moved pixel by pixel. One object a sequence.
-// One thread calls it, except functions of one tile, which several threads may call for different tiles.
+// Holds the history of masks, for tiles that a deadline skips: filtered masks are reprojected with their surface, and
+// the least recently traced tile comes first in the next frame. Most tiles of most masks are all lit or all dark; they
+// are flagged as such, and neither copied nor moved pixel by pixel. One object a sequence. One thread calls it, but
+// several threads may call the functions of one tile for different tiles.
 #pragma once
 
 #include <array>
@@ -22,14 +22,14 @@ namespace sideray::rt {
 
 class OlderMasks {
  public:
-  // The masks of lights, and those of the sky, are traced one after the other.
+  // Masks of lights and of the sky are traced one after the other.
   enum Part { of_lights, of_sky, part_count };
   // History expires after this many commits of the scene; frames without a commit do not count.
   static constexpr uint8_t oldest = 120;
-  static constexpr uint8_t no_answer = 255;  // in place of an age
+  static constexpr uint8_t no_answer = 255;  // instead of an age
 
-  // Begins a frame with a request under a deadline. A frame that does not continue, other lights, options or another
-  // size reset the history. `masks`: those of the previous frame.
+  // Begins a frame with a request under a deadline. A frame that does not continue the sequence resets the history, and
+  // so do other lights, options or sizes. `masks` must be those of the previous frame.
   void begin(const MaskRequest& request, TracedScene& scene, const OcclusionMasks& masks);
   // Returns the depths along the camera's axis of the frame that has begun, as fill_depths() does.
   const std::vector<float>& depths() const { return trail_->depths(); }
@@ -39,48 +39,47 @@ class OlderMasks {
     complete_ = false;
   }
 
-  // In which frame each tile had its turn, 0 = never.
+  // Returns the frame that last traced each tile, 0 = none.
   const std::vector<uint32_t>& turns(Part part) const { return parts_[part].turns; }
-  // Call when a tile's masks are traced.
+  // Notes that a tile's masks were traced.
   void traced(const MaskRequest& request, Part part, size_t tile);
-  // Returns for each pixel of the frame that has ended 0 where its masks were traced in it, 1 and their age where they are
-  // earlier ones, or no_answer.
+  // Returns for each pixel of the last frame 0 if its masks were traced in it, 1 + their age if they are older, or
+  // no_answer.
   std::vector<uint8_t> answers(Part part) const;
   // Returns whether a part's masks have history.
   bool knows(Part part) const { return moves_[part]; }
-  // Returns whether most pixels of a tile had no mask of the sky in the previous frame. Samples are to be written
-  // before the tile is left.
+  // Returns whether most pixels of a tile had no sky mask in the previous frame. Such a tile's samples must be written
+  // before leave().
   bool lacks_sky(size_t tile) const { return lacks_sky_[tile] != 0; }
   CoarseSky& coarse_sky() { return coarse_sky_; }
-  // Fills a tile's masks with their history, reprojected; pixels without history are lit and open, the sky has its
+  // Fills a skipped tile's masks with reprojected history. Pixels without history become lit and open; the sky uses its
   // samples. Counts the tile's pixels.
   void leave(const MaskRequest& request, Part part, size_t tile, OcclusionMasks& masks, Counters& counters);
-  // Call after one of these was called for every tile of a part.
+  // Ends a part, after traced() or leave() was called for each of its tiles.
   void end(Part part);
-  // Call when the frame's masks are filtered.
+  // Ends the frame, after its masks are filtered.
   void end_frame(const MaskRequest& request, const OcclusionMasks& masks, Executor& executor);
-  // Sets for each pixel which of the frame's masks have an answer (OcclusionMasks::Answer); empty if all have.
+  // Sets which masks of each pixel have an answer (OcclusionMasks::Answer); empty if all have.
   void tell_answers(const MaskRequest& request, Executor& executor, OcclusionMasks& masks) const;
-  // Call when every mask of the position is there, and filtered as a whole: it stays what it is until the next one
-  // begins.
+  // Notes that every mask of the position is traced and filtered as a whole, so that it stays until the next position.
   void complete();
-  // Call when what new_tiles() said is filtered.
+  // Notes that the tiles of new_tiles() are filtered.
   void filtered();
   bool is_complete() const { return complete_; }
-  // Says which of the filters' tiles were traced in this frame, or never filtered since, row by row.
+  // Returns for each filter tile, row by row, whether it was traced in this frame or never filtered since it was.
   std::vector<uint8_t> new_tiles(const OcclusionMasks& masks, Part part) const;
-  // Returns whether half of them or more were, of each part that ended.
+  // Returns whether at least half of the tiles were traced in this frame, for each part that has ended.
   bool most_are_new() const;
 
  private:
-  // What a plane of masks holds in a tile.
+  // Says what a plane of masks holds in a tile.
   enum Shade : uint8_t { all_dark = 0, mixed = 1, all_lit = 255 };
   struct Kept {
-    std::vector<Shade> shades[2];  // of each plane's tiles, in this frame and the one before
-    std::vector<uint8_t> then;     // where the view has moved, the mixed tiles of the previous frame, layer-major
-    std::vector<uint8_t> ages[2];  // of this frame's pixels and of those before, or no_answer
+    std::vector<Shade> shades[2];  // of each plane's tiles, in this frame and the previous one
+    std::vector<uint8_t> then;     // mixed tiles of the previous frame if the view has moved, layer-major
+    std::vector<uint8_t> ages[2];  // of the pixels of this frame and the previous one, or no_answer
     std::vector<uint32_t> turns;
-    std::vector<uint8_t> unfiltered;  // of each tile: its masks are as they were traced
+    std::vector<uint8_t> unfiltered;  // by tile: its masks are not filtered yet
     bool ended = false;
   };
   // Pixels of a tile, row by row: the age of their history.
@@ -98,15 +97,15 @@ class OlderMasks {
   void take_samples(const MaskRequest& request, size_t tile, Ages& found, OcclusionMasks& masks);
   void show(const MaskRequest& request, Part part, size_t tile, const Ages& found, OcclusionMasks& masks);
 
-  std::array<bool, part_count> known_{};  // the masks of the last frame
-  std::array<bool, part_count> moves_{};  // ... are moved into this one
+  std::array<bool, part_count> known_{};  // the last frame's masks are complete
+  std::array<bool, part_count> moves_{};  // they are reprojected into this frame
   Kept parts_[part_count];
-  uint32_t now_ = 0;                        // which of a part's two buffers is this frame's
-  MaskRequest request_;                     // of the last frame; pointers in it are not followed
+  uint32_t now_ = 0;                        // index of this frame's buffer in each part
+  MaskRequest request_;                     // of the last frame; its pointers are not followed
   std::vector<model::Light> lights_;
   std::shared_ptr<const model::Environment> environment_;
   uint64_t revision_ = 0, opaque_revision_ = 0;
-  uint32_t number_ = 0;  // of the frame
+  uint32_t number_ = 0;  // the frame's number
   bool changed_ = false, complete_ = false;
   PixelTrail own_trail_;
   PixelTrail* trail_ = &own_trail_;  // of the frame

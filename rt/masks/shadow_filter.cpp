@@ -6,8 +6,8 @@
 
 #include "model/failure.h"
 
-// Four passes of a-trous wavelets reach 15 pixels: a tile that is all lit or all in shadow, like its neighbours, cannot
-// change and is skipped. Tiles of a row are worked on line by line: what lies in a line lies together in memory, where
+// Four passes of a-trous wavelets reach 15 pixels, so a tile that, with its neighbours, is all lit or all in shadow
+// cannot change and is skipped. Rows of tiles are processed line by line, because a line is contiguous in memory, while
 // the lines of a tile are pages apart.
 namespace sideray::rt {
 namespace {
@@ -31,7 +31,7 @@ ShadowTerms terms_of(const ShadowFilterInput& input) {
           view.before_offset};
 }
 
-// Returns sixteen values from (x, y) on; `otherwise` right of the picture.
+// Returns sixteen values from (x, y) on; `otherwise` fills those beyond the picture.
 const float* row_of(std::span<const float> image, uint32_t width, uint32_t x, uint32_t y, float otherwise,
                     float (&copy)[side]) {
   const float* from = image.data() + size_t{y} * width + x;
@@ -56,7 +56,7 @@ uint8_t packed(float visibility) {
 
 }  // namespace
 
-// Scratch memory of a thread, for a row of tiles.
+// Is scratch memory of a thread, for a row of tiles.
 struct ShadowFilter::ShadowRow {
   struct alignas(64) Lanes {
     float values[side];
@@ -104,13 +104,13 @@ void ShadowFilter::fit(const ShadowFilterInput& input) {
   follows_ = false;
 }
 
-// A single picture has no history, nor memory for one.
+// Allocates the history's memory, which a single picture does not need.
 void ShadowFilter::fit_history() {
   for (auto& frame : history_)
     for (std::vector<float>& plane : frame) plane.resize(planes_[visibility].size());
 }
 
-// Returns what the pixels of a tile and of its neighbours are.
+// Returns the union of the Seen bits of a tile and its neighbours.
 int ShadowFilter::seen_around(const ShadowFilterInput& input, uint32_t tile_x, uint32_t tile_y) const {
   if (input.seen.empty()) return 3;
   int around = 0;
@@ -120,13 +120,13 @@ int ShadowFilter::seen_around(const ShadowFilterInput& input, uint32_t tile_x, u
   return around;
 }
 
-// Returns whether a tile is to be filtered, and may be neither all lit nor all in shadow together with its neighbours.
+// Returns whether a tile must be filtered: with its neighbours, it may be neither all lit nor all in shadow.
 bool ShadowFilter::may_change(const ShadowFilterInput& input, uint32_t tile_x, uint32_t tile_y) const {
   return (input.unfiltered.empty() || input.unfiltered[size_t{tile_y} * tiles_x_ + tile_x]) &&
          (whole_ || seen_around(input, tile_x, tile_y) == 3);
 }
 
-// Returns whether a tile, or a neighbour that looks at it, may change.
+// Returns whether a tile, or a neighbour that reads it, may change.
 bool ShadowFilter::is_needed(const ShadowFilterInput& input, uint32_t tile_x, uint32_t tile_y) const {
   for (uint32_t y = tile_y - (tile_y > 0); y < std::min(tiles_y_, tile_y + 2); ++y)
     for (uint32_t x = tile_x - (tile_x > 0); x < std::min(tiles_x_, tile_x + 2); ++x)
@@ -134,7 +134,7 @@ bool ShadowFilter::is_needed(const ShadowFilterInput& input, uint32_t tile_x, ui
   return false;
 }
 
-// Decides which tiles of a row are looked at.
+// Decides which tiles of a row are needed.
 void ShadowFilter::choose(const ShadowFilterInput& input, uint32_t tile_y) {
   row_states_[tile_y] = {false, false};
   for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
@@ -145,7 +145,7 @@ void ShadowFilter::choose(const ShadowFilterInput& input, uint32_t tile_y) {
   }
 }
 
-// Writes the inverse depths of a row of tiles, only of those that are `needed`, if it is given.
+// Writes the inverse depths of a row of tiles; if `needed` is given, only of those tiles.
 void ShadowFilter::invert(std::span<const float> depth, uint32_t tile_y, std::span<const uint8_t> needed,
                           float* inverse) const {
   float copy[side];
@@ -155,7 +155,7 @@ void ShadowFilter::invert(std::span<const float> depth, uint32_t tile_y, std::sp
         kernels_->invert(row_of(depth, width_, x, y, 0.0f, copy), inverse + at(x, y));
 }
 
-// Where a tile may change, its neighbours are needed too: no slope that counts comes from what was not inverted.
+// The neighbours of a tile that may change are needed too, so no slope in use reads depths that were not inverted.
 void ShadowFilter::slope(uint32_t tile_y, std::span<const uint8_t> needed) {
   const ShadowPlanes to = planes();
   for (uint32_t y = tile_y * side; y < (tile_y + 1) * side; ++y)
@@ -263,7 +263,7 @@ void ShadowFilter::classify(const ShadowFilterInput& input, uint32_t tile_y, Sha
   }
 }
 
-// Returns whether a pass of this step changes anything in a tile: whether sf_bell() ends beyond it.
+// Returns whether a pass of this step changes anything in a tile, which it does if sf_bell() extends that far.
 bool ShadowFilter::reaches(const Tile& tile, int32_t step) {
   const auto distance = static_cast<float>(step);
   return distance * distance < 8.0f * tile.reach * tile.reach;
@@ -400,7 +400,7 @@ void ShadowFilter::store(Executor& executor, std::span<ShadowFilter* const> filt
   });
 }
 
-// Pixels that are all lit or all in shadow are so for certain: as good as many frames.
+// Pixels that are all lit or all in shadow are certain, so they count as many frames.
 void ShadowFilter::accumulate(const ShadowTerms& terms, const ShadowFilterInput& input, uint32_t tile_y) {
   const ShadowPlanes from = planes();
   const ShadowHistoryPlanes before = history(1 - current_), after = history(current_);

@@ -1,6 +1,6 @@
-// Denoises the shadow of one light from its noisy visibility, hit distances and the picture's depth alone
-// (shaders/light/shadow_filter.h). Stores the history: one object a light and sequence. One thread calls it; it works
-// on the executor's. Same bits for any thread count.
+// Denoises the shadow of one light from its noisy visibility and hit distances and the picture's depth
+// (shaders/light/shadow_filter.h). It stores the history: one object a light and sequence. One thread calls it; it uses
+// the executor's. The bits do not depend on the thread count.
 #pragma once
 
 #include <cstdint>
@@ -15,19 +15,20 @@
 
 namespace sideray::rt {
 
-// Images are width * height, row by row. They stay as they are until the frame has been filtered.
+// Refers to images of width * height, row by row. They must not change until the frame has been filtered.
 struct ShadowFilterInput {
   uint32_t width = 0, height = 0;
-  std::span<const float> visibility;    // 0 .. 1: the share of its samples that reached the light
+  std::span<const float> visibility;    // 0 .. 1: share of the samples that reached the light
   std::span<const float> hit_distance;  // along the shadow ray to the nearest occluder; infinite: none
-  std::span<const float> depth;         // along the view's axis; 0 or infinite: no surface, and the visibility stays
-  std::span<const glm::vec2> motion;    // pixels: where it is minus where it was; empty: nothing moved
+  std::span<const float> depth;         // along the view axis; 0 or infinite: no surface, and the visibility is not
+                                        // filtered
+  std::span<const glm::vec2> motion;    // in pixels: position now minus position before; empty: nothing moved
   shading::SfView view{};
   shading::SfLight light{};
-  std::span<const uint8_t> mask;  // instead of the visibility: 255 = 1
-  // A tile, row by row: OcclusionMasks::Seen of its pixels; 1 all 0, 2 all 1. Empty: unknown.
+  std::span<const uint8_t> mask;  // replaces the visibility if set: 255 = 1
+  // By tile, row by row: bits of OcclusionMasks::Seen, so 1 = all 0 and 2 = all 1. Empty: unknown.
   std::span<const uint8_t> seen;
-  // One value a tile, row by row: 0 if its pixels are filtered already and must not change. Empty: no tile is filtered.
+  // By tile, row by row: 0 if its pixels are filtered already and must not change. Empty: none are.
   std::span<const uint8_t> unfiltered = {};
 };
 
@@ -35,7 +36,7 @@ class ShadowFilter {
  public:
   explicit ShadowFilter(const ShadowKernels& kernels = shadow_kernels()) : kernels_(&kernels) {}
 
-  // Filters within the frame. `result` is as large as the images. Throws Failure (INVALID_ARGUMENT) where sizes differ.
+  // Filters within the frame. `result` has the images' size. Throws Failure (INVALID_ARGUMENT) if sizes differ.
   void spatial(Executor& executor, const ShadowFilterInput& input, std::span<float> result);
   // Does the same for several filters of one size at once, each of which stores its result in store(); what depends on
   // the depth is computed once for all that name the same images, and neighbours that name the same hit distances, colours
@@ -43,38 +44,38 @@ class ShadowFilter {
   // that cannot change are left out.
   static void spatial(Executor& executor, std::span<ShadowFilter* const> filters,
                       std::span<const ShadowFilterInput> inputs, bool whole);
-  // Writes what spatial() or, `accumulated`, temporal() made of the mask, 255 = 1, where it differs.
+  // Writes the results of spatial(), or of temporal() if `accumulated`, to the masks (255 = 1) where they differ.
   static void store(Executor& executor, std::span<ShadowFilter* const> filters, std::span<uint8_t* const> masks,
                     bool accumulated);
-  // Averages with earlier frames, after spatial() of the same input. `again`: in place of the last call's frame.
+  // Averages with earlier frames, after spatial() of the same input. `again`: replaces the last call's frame.
   void temporal(Executor& executor, const ShadowFilterInput& input, std::span<float> result, bool again = false);
   void temporal(Executor& executor, const ShadowFilterInput& input, bool again = false);
-  // Makes the next frame follow none.
+  // Makes the next frame start without history.
   void reset() { follows_ = false; }
-  // Makes the next frame follow the last one, even where that was filtered by spatial() alone. `depth`: that frame's.
+  // Makes the next frame continue the last one, even if only spatial() filtered that. `depth` is the last frame's.
   void follow(const shading::SfLight& light, std::span<const float> depth);
 
-  // Returns how many tiles of 16 x 16 pixels of the last frame were filtered: those that are not all lit or all in
-  // shadow together with their neighbours.
+  // Returns how many tiles of 16 x 16 pixels were filtered in the last frame: those that, with their neighbours, are
+  // neither all lit nor all in shadow.
   uint32_t active_tiles() const;
   uint32_t tiles() const { return static_cast<uint32_t>(tiles_.size()); }
 
  private:
   struct Tile {
-    float least, most;  // least and most visibility
+    float least, most;  // smallest and largest visibility
     float distances, hits;
     float reach;  // the longest reach
     bool active;
-    bool loaded;  // its part of the planes is of this frame; otherwise its pixels are all `least`
+    bool loaded;  // its part of the planes is of this frame; false: all its pixels are `least`
   };
   struct ShadowRow;
-  // The surfaces of a frame, which filters of the same depth share.
+  // Holds the surfaces of a frame; filters of the same depth share it.
   struct Guide {
     std::vector<float> inverse, slope_x, slope_y;
     uint32_t width = 0, height = 0;
-    std::vector<uint8_t> needed;  // tiles that some filter looks at: the others hold what they held
+    std::vector<uint8_t> needed;  // tiles that some filter reads; others keep their old content
   };
-  // Of a row of tiles: whether any is loaded, or active. Under a deadline few are.
+  // Says whether any tile in a row is loaded, or active. Under a deadline few are.
   struct RowState {
     bool loaded, active;
   };

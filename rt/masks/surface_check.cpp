@@ -10,9 +10,9 @@ namespace sideray::rt {
 namespace {
 
 constexpr uint32_t step = 2;         // pixels, along rows and columns
-constexpr double share_of_way = 0.01;  // what is drawn may lie so far before a traced surface, or behind it
+constexpr double share_of_way = 0.01;  // tolerance around a drawn surface, as a share of its distance
 
-// What one thread has of a row.
+// Is scratch memory of one thread, for a row.
 struct Row {
   std::vector<Ray> rays;
   std::vector<Hit> hits;
@@ -35,7 +35,7 @@ class SurfaceCheck {
   }
 
  private:
-  // Of a pixel where something was drawn: over the part of its ray where that may lie.
+  // Adds the ray of a pixel with a surface, over the range in which a traced one may lie.
   void add_ray(uint32_t x, uint32_t y, Row& row) const {
     const double depth = read_depth(request_.depth, x, y).depth;
     const bool cleared = request_.view.reversed_depth ? depth <= 0.0 : depth >= 1.0;

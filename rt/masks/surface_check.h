@@ -1,5 +1,5 @@
-// Finds whether what a host has drawn lies on surfaces that are traced: for hosts whose matrices or depth conventions are
-// wrong. Any thread may call it; it runs on the scene's.
+// Checks whether the host's depth lies on traced surfaces, to find wrong matrices or depth conventions. Any thread may
+// call it; it uses the scene's threads.
 #pragma once
 
 #include "rt/base/counters.h"
@@ -8,8 +8,8 @@
 
 namespace sideray::rt {
 
-// Counts, of every second pixel of every second row, those with an opaque surface, and those of them whose depth is not
-// within a hundredth of its distance of a traced one.
+// Counts every second pixel of every second row that has an opaque surface, and those of them whose depth differs from
+// that of any traced surface by more than a hundredth of the distance.
 Counters check_surfaces(const MaskRequest& request, TracedScene& scene);
 
 }  // namespace sideray::rt

@@ -1,5 +1,5 @@
-// What requests for light of a frame's opaque pixels have in common, be it what they mirror or what other surfaces throw on
-// them. Plain values; any thread.
+// Holds what all requests for light of a frame's opaque pixels share, for reflections and for light from other
+// surfaces. Plain values; any thread.
 #pragma once
 
 #include <atomic>
@@ -33,16 +33,16 @@ struct LightRequest {
   ViewFrame frame{};                             // of the history
   StillFrames* still = nullptr;                  // a frame that is the last one keeps the image; null: it is traced
   const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
-  WorkTime work;                                 // tiles that it does not let begin have no turn
+  WorkTime work;                                 // tiles that it does not let begin are skipped
   ShadingQueue* shading_queue = nullptr;         // as in LayerRequest
-  const WantedTiles* wanted = nullptr;           // null: all tiles are
+  const WantedTiles* wanted = nullptr;           // tiles to trace; null: all
 };
 
-// Throws Failure that begins with `name`, where it has no size or no depth.
+// Throws a Failure that begins with `name` if the request has no size or no depth.
 void check_light(const LightRequest& request, std::string_view name);
-// Of the pixels' points.
+// Returns a mask request for the pixels' points.
 MaskRequest depth_request(const LightRequest& request);
-// `inputs`: the bytes of what else is asked for.
+// `inputs`: the bytes of the request's other inputs.
 FrameKey frame_key(const LightRequest& request, std::vector<std::byte> inputs);
 
 }  // namespace sideray::rt

@@ -1,5 +1,5 @@
-// Runs the tiles of a request for light on all threads: under a budget those that matter most first, and only those that
-// there is time for.
+// Runs the tiles of a request for light on all threads. Under a budget the most important tiles run first, and only as
+// many as there is time for.
 #pragma once
 
 #include <atomic>
@@ -14,8 +14,8 @@
 
 namespace sideray::rt {
 
-// Returns the tiles of the picture in the order in which they are to be traced; empty: as they are numbered. `turns`: as in
-// order_by_turns(), empty where there is no history.
+// Returns the order in which tiles are traced; empty: by number. `turns` is as in order_by_turns(), empty without
+// history.
 inline std::vector<uint32_t> light_tile_order(const LightRequest& r, std::span<const uint32_t> turns) {
   std::vector<uint32_t> order;
   if (!is_bounded(r.work)) return order;
@@ -24,9 +24,9 @@ inline std::vector<uint32_t> light_tile_order(const LightRequest& r, std::span<c
   return order;
 }
 
-// For each tile of `order` (empty: of the picture), unless the request is cancelled, calls prepare(tile, thread); and, where
-// the tile is in `traced` (empty: all are), trace(tile, thread) if there is time for it, and end(tile, thread, whether it was
-// traced).
+// Calls prepare(tile, thread) for each tile of `order` (empty: of the picture) unless the request is cancelled. For the
+// tiles in `traced` (empty: all) it then calls trace(tile, thread) if there is time, and end(tile, thread, whether it
+// was traced).
 template <typename Prepare, typename Trace, typename End>
 void for_light_tiles(const LightRequest& r, const WorkTime& work, Executor& executor, const std::vector<uint32_t>& order,
                      const std::vector<uint8_t>& traced, const Prepare& prepare, const Trace& trace, const End& end) {

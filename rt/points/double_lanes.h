@@ -1,5 +1,5 @@
-// Adds arithmetic on vectors of doubles to rt/base/lanes.h. Included by files that are compiled
-// once for each instruction set; the same rules hold. Any thread may call it.
+// Adds arithmetic on vectors of doubles to rt/base/lanes.h. It is included by files that are compiled once for each
+// instruction set, and the same rules apply. Any thread may call it.
 #include "rt/base/lanes.h"
 
 namespace sideray::rt::SIDERAY_LANES {
@@ -24,7 +24,7 @@ SIDERAY_LANE NarrowVector narrowed(DoubleVector v) {
 SIDERAY_LANE DoubleVector absolute(DoubleVector v) {
   return __builtin_bit_cast(DoubleVector, __builtin_bit_cast(LongVector, v) & 0x7fffffffffffffffll);
 }
-// These return their first argument where either is NaN, as std::min and std::max do.
+// Return their first argument if either is NaN, as std::min and std::max do.
 SIDERAY_LANE DoubleVector lesser(DoubleVector a, DoubleVector b) {
   return b < a ? b : a;
 }
@@ -32,7 +32,7 @@ SIDERAY_LANE DoubleVector greater(DoubleVector a, DoubleVector b) {
   return a < b ? b : a;
 }
 
-// Bit i stands for lane i.
+// Returns a mask whose bit i stands for lane i.
 SIDERAY_LANE uint32_t double_bits(LongVector mask) {
 #if defined(__AVX512DQ__) && SIDERAY_LANE_COUNT == 16
   return _mm512_movepi64_mask(__builtin_bit_cast(__m512i, mask));

@@ -1,12 +1,12 @@
-// Compiled once for each instruction set (sideray_lanes() in rt/CMakeLists.txt; rt/base/lanes.h).
-// Every operation stands in the order in which rt/base/view_rays.cpp, rt/masks/depth_points.cpp and rt/base/sampling.h
-// have it. Any thread may call them.
+// Is compiled once for each instruction set (sideray_lanes() in rt/CMakeLists.txt; rt/base/lanes.h). Operations have
+// the same order as in rt/base/view_rays.cpp, rt/masks/depth_points.cpp and rt/base/sampling.h. Any thread may call the
+// kernels.
 #include "rt/points/double_lanes.h"
 #include "rt/points/point_kernels.h"
 
 namespace sideray::rt::SIDERAY_LANES {
 
-// --- What the depth buffer shows.
+// --- Content of the depth buffer.
 
 constexpr double nothing = __builtin_inf();
 constexpr double farthest_point = 1e30;
@@ -23,7 +23,7 @@ SIDERAY_LANE Doubles3 load_widened(const float (&planes)[3][seen_rows * seen_str
   return {widened(v[0]), widened(v[1]), widened(v[2])};
 }
 
-// Returns the distance along the rays at a window depth.
+// Returns the distance along the rays for a window depth.
 SIDERAY_LANE DoubleVector distance_at(const PointView& view, DoubleVector depth, DoubleVector pixel_w,
                                       DoubleVector length) {
   const DoubleVector z = view.zero_to_one ? depth : 2.0 * depth - 1.0;
@@ -31,7 +31,7 @@ SIDERAY_LANE DoubleVector distance_at(const PointView& view, DoubleVector depth,
   return w * farthest_point > length ? length / w : every(nothing);
 }
 
-// Returns the largest difference between a depth as stored and as computed by the rasterizer, over half a step.
+// Returns twice the largest difference between the stored depth and the one that the rasterizer computed.
 SIDERAY_LANE DoubleVector depth_step(const PointView& view, DoubleVector depth) {
   if (view.step > 0.0) return every(view.step);
   using Bits = int32_t __attribute__((vector_size(sizeof(NarrowVector))));
@@ -85,13 +85,13 @@ constexpr double point_rounding = 0x1p-21, slope_margin = 2.0, steepest_step = 4
 constexpr double bent_share = 0.125, bent_noise = 8.0;
 constexpr double plane_share = 0x1p-6, straighter_factor = 2.0, straighter_noise = 8.0;
 
-// Holds a pixel's neighbour along an axis.
+// Describes a pixel's neighbour along an axis.
 struct SeenNeighbor {
-  DoubleVector distance, cost;  // cost: infinite where it shows another surface for certain
-  LongVector is_there;          // it shows a surface, with a rest pose if the pixel has one
+  DoubleVector distance, cost;  // cost: infinite if it certainly shows another surface
+  LongVector is_there;          // it shows a surface, and has a rest pose if the pixel has one
 };
 
-// Holds what the depth does on one side of a pixel; see DepthPoints::Single::Side.
+// Describes how the depth continues on one side of a pixel; see DepthPoints::Single::Side.
 struct SeenSide {
   DoubleVector change, bend;
   LongVector is_there, straight, plane;
@@ -103,7 +103,7 @@ struct SeenStep {
   LongVector known;
 };
 
-// The pixels of a row of a tile, from `at` on; their neighbours lie `stride` apart.
+// Examines the pixels of a row of a tile, from `at` on; their neighbours are `stride` apart.
 class SeenAxis {
  public:
   SIDERAY_LANE SeenAxis(const SeenPixels& seen, int at, int stride, DoubleVector noise)
@@ -155,8 +155,7 @@ class SeenAxis {
     return {distance, is_there ? absolute(distance - distance_) : every(nothing), is_there};
   }
 
-  // Returns how much the depth changes to a pixel; in perspective the distance changes from ray to ray where the depth
-  // does not.
+  // Returns the change of depth to a pixel. In perspective the distance changes from ray to ray even at constant depth.
   SIDERAY_LANE DoubleVector change(DoubleVector w) const {
     return (1.0 - w / load_doubles(seen_.w + at_)) * distance_;
   }
@@ -186,7 +185,7 @@ class SeenAxis {
     return other_there ? steeper : 2.0 * best;
   }
 
-  // Returns whether a third pixel on either side lies on one plane with the two.
+  // Returns whether a third pixel on either side is on one plane with the two.
   SIDERAY_LANE LongVector is_straight(LongVector goes_on_after) const {
     const DoubleVector here = load_doubles(seen_.inverse + at_);
     const auto inverse = [&](int steps) { return load_doubles(seen_.inverse + at_ + steps * stride_); };
@@ -222,7 +221,7 @@ SIDERAY_LANE Doubles3 depth_normal(const SeenStep& across, const SeenStep& up, D
   return chosen((length > 0.0) & (length < nothing), n / length, -toward);
 }
 
-// Writes the values of a row's pixels, from `column` on, where the tile's blocks have them.
+// Writes the values of a row's pixels, from `column` on, in the tile's block order.
 SIDERAY_LANE void store_blocked(float* values, int column, int row, DoubleVector v) {
   const NarrowVector narrow = narrowed(v);
   constexpr int piece = double_count < point_block ? double_count : point_block;
@@ -248,7 +247,7 @@ SIDERAY_LANE void note_drawn(PointTile& tile, int column, int row, uint32_t bits
   }
 }
 
-// Returns the length that rays skip where the surface's tilt is unknown.
+// Returns the length that rays skip if the surface's tilt is unknown.
 SIDERAY_LANE DoubleVector unknown_share(const SeenPixels& seen, int at, DoubleVector distance) {
   NarrowVector turn[3];
   for (int i = 0; i < 3; ++i) {
@@ -329,7 +328,7 @@ SIDERAY_LANE UintVector lane_reverse(UintVector x) {
   x = ((x & 0x33333333u) << 2) | ((x & 0xccccccccu) >> 2);
   return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
 }
-// Scrambles what is reversed already; see scramble_nested().
+// Scrambles a number whose bits are reversed already; see scramble_nested().
 SIDERAY_LANE UintVector lane_scramble_reversed(UintVector x, uint32_t key) {
   x = x + key;
   x ^= x * 0x6c50b47cu;
@@ -366,7 +365,7 @@ struct ToLight {
   boolean reaches;
 };
 
-// Returns the way from a point to a light that has a place.
+// Returns direction and distance from a point to a positional light.
 SIDERAY_LANE ToLight to_light(const RayLight& light, real3 front) {
   const real3 offset = every(light.position) - front;
   const real distance = length(offset);
@@ -377,7 +376,7 @@ SIDERAY_LANE ToLight to_light(const RayLight& light, real3 front) {
   return {axis, distance, reaches};
 }
 
-// Returns the lanes of a block, from `first` on, as indices in the block.
+// Returns the indices of lanes in their block, from `first` on.
 SIDERAY_LANE UintVector lanes_from(int first) {
   UintVector v{};
   for (int i = 0; i < lane_count; ++i) v[i] = static_cast<uint32_t>(first + i);
@@ -425,7 +424,7 @@ SIDERAY_LANE real3 in_frame(real3 x, real3 y, real3 z, real3 v) {
   return {x.x * v.x + y.x * v.y + z.x * v.z, x.y * v.x + y.y * v.y + z.y * v.z, x.z * v.x + y.z * v.y + z.z * v.z};
 }
 
-// Returns a direction about z; see frame_about().
+// Rotates a direction into the frame about z; see frame_about().
 SIDERAY_LANE real3 about(real3 z, real3 v) {
   const boolean sideways = abs(z.x) < 0.5f;
   const real one(1.0f), zero(0.0f);

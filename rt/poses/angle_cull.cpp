@@ -12,7 +12,7 @@ namespace {
 
 constexpr size_t instances_in_piece = 8192;
 
-// Returns the least share of the distance that a radius must have.
+// Returns the smallest radius that is not culled, as a share of the distance.
 double share_of(double angle_deg) {
   return elementary::sin(0.5 * std::min(angle_deg, 180.0) * std::numbers::pi / 180.0);
 }
@@ -55,7 +55,7 @@ bool AngleCull::update(const model::Snapshot& snapshot, float angle_deg, glm::ve
       const bool kept = rules.keeps_translucent && snapshot.materials[instance.material].translucent;
       const double radius = double{bounds.radius()};
       const double distance = glm::length(glm::dvec3(bounds.center()) - glm::dvec3(eye));
-      // Empty bounds have no distance: it is NaN then.
+      // For empty bounds the distance is NaN.
       const double share = culled_[i] && rules.remembers ? returns : leaves;
       const bool small = !kept && radius < distance && radius < distance * share;
       piece_changed |= culled_[i] != static_cast<uint8_t>(small);

@@ -36,7 +36,7 @@ void move_vertices(const model::Mesh& neutral, const model::Wind& wind, glm::vec
   for (size_t i = first; i < last; ++i) positions[i] = neutral.positions[i] + sr_wind(w, p, neutral.positions[i]);
 }
 
-// Computes bounds as add_mesh() does: from the vertices that triangles use.
+// Computes bounds as add_mesh() does: from vertices that triangles use.
 model::Bounds bounds_of(const model::Mesh& mesh) {
   model::Bounds bounds;
   for (const glm::uvec3 t : mesh.triangles)
@@ -111,7 +111,7 @@ std::vector<Foliage::Pose*> Foliage::choose(const model::Snapshot& snapshot, uin
   return of_instance;
 }
 
-// Makes a mesh current that no other snapshot holds; adds one where all are held.
+// Selects a mesh that no snapshot holds; adds one if there is none.
 void Foliage::make_room(Pose& pose) {
   for (size_t i = 0; i < pose.meshes.size(); ++i)
     if (pose.meshes[i].use_count() == 1) {

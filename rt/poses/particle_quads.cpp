@@ -11,7 +11,7 @@
 namespace sideray::rt {
 namespace {
 
-// Holds the part of a view that sprites need, as gl/scene/raster_sprites.cpp has it.
+// Holds the part of a view that sprites need, as in gl/scene/raster_sprites.cpp.
 struct SpriteView {
   glm::dvec3 eye{0.0}, x, y, forward;  // unit axes of the picture
   bool perspective;
@@ -22,7 +22,7 @@ struct SpriteView {
     const glm::dmat4& c = view.clip_from_local;
     perspective = glm::length(glm::dvec3(c[0].w, c[1].w, c[2].w)) > 1e-12 * std::abs(c[3].w);
     if (perspective) eye = glm::dvec3(m[2]) / m[2].w;
-    // The axes follow from the middle of a plane parallel to the picture, one unit of clip space each way.
+    // The axes come from a plane parallel to the picture, between points one unit of clip space apart.
     const double near_clip =
         view.zero_to_one_depth ? (view.reversed_depth ? 1.0 : 0.0) : (view.reversed_depth ? 1.0 : -1.0);
     const auto point = [&](double u, double v) {
@@ -43,7 +43,7 @@ struct SpriteView {
   glm::vec3 to_eye(glm::vec3 position) const {
     return glm::vec3(perspective ? glm::normalize(eye - glm::dvec3(position)) : -forward);
   }
-  // Returns the corners from the lower left, counter-clockwise as seen.
+  // Fills in the corners, counter-clockwise as seen, starting at the lower left.
   void corners(const model::Sprite& s, glm::vec3 (&corner)[4]) const {
     const double cosine = elementary::cos(static_cast<double>(s.rotation)), sine = elementary::sin(static_cast<double>(s.rotation));
     constexpr double sides[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
@@ -86,7 +86,7 @@ std::shared_ptr<const model::Mesh> quads_of(const model::Snapshot& snapshot, con
   return mesh;
 }
 
-// Returns what the acceleration structures require of a material; sprites are shaded by their own.
+// Returns a material with the fields that acceleration structures need; sprites are shaded by their own.
 model::Material quad_material(const sideray_particles_desc& d) {
   model::Material material{};
   material.desc.size = sizeof(material.desc);

@@ -1,5 +1,5 @@
-// Turns sprites into geometry for rays: quads that face one view's eye, in a snapshot of their own beside everything
-// else. Any thread may call it.
+// Makes geometry for rays from sprites: quads that face one view's eye, added to a copy of the snapshot. Any thread may
+// call it.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,11 @@ namespace sideray::rt {
 
 bool has_sprites(const model::Snapshot& snapshot);
 
-// Counts the sprites that are in the picture at least in part, hidden or not.
+// Counts the sprites that are at least partly inside the picture, occluded or not.
 uint64_t count_sprites_in_view(const model::Snapshot& snapshot, const TraceView& view);
 
-// Returns the snapshot with an instance of two triangles a sprite for each system: triangles 2 i and 2 i + 1 are sprite
-// i. Instances before them stay as they are. Only rays of LayerSet::with_sprites hit them. `height` is the picture's.
+// Returns the snapshot with an instance for each system, in which triangles 2 i and 2 i + 1 are sprite i. Other
+// instances keep their indices. Only rays of LayerSet::with_sprites hit sprites. `height` is the picture's, in pixels.
 std::shared_ptr<const model::Snapshot> with_sprite_quads(const model::Snapshot& snapshot, const TraceView& view,
                                                          uint32_t height);
 

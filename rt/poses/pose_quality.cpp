@@ -12,7 +12,7 @@ double half_area(const model::Bounds& b) {
   return size.x * size.y + size.y * size.z + size.z * size.x;
 }
 
-// Puts two zero bits after each of ten.
+// Inserts two zero bits after each of ten bits.
 uint32_t spread(uint32_t x) {
   x = (x | (x << 16)) & 0x030000ffu;
   x = (x | (x << 8)) & 0x0300f00fu;
@@ -59,7 +59,7 @@ double PoseQuality::cost(const model::Mesh& mesh) {
   for (;;) {
     for (const model::Bounds& box : boxes_) sum += half_area(box);
     if (boxes_.size() <= 1) break;
-    // Groups are merged in place: a group's first box lies at or after the place that the merged box goes to.
+    // Groups are merged in place: a group's boxes never come before its merged box.
     const size_t parents = (boxes_.size() + group - 1) / group;
     for (size_t p = 0; p < parents; ++p) {
       model::Bounds box = boxes_[p * group];

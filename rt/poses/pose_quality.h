@@ -1,4 +1,5 @@
-// Measures how much worse a tree of boxes has become since its triangles moved. One thread at a time may call it.
+// Measures how much worse a bounding volume hierarchy has become since its triangles moved. One thread at a time may
+// call it.
 #pragma once
 
 #include <cstdint>
@@ -8,15 +9,15 @@
 
 namespace sideray::rt {
 
-// The measure is the surface area heuristic on boxes of its own: triangles in the order of a space-filling curve at the
-// pose that was built, grouped by fours level upon level. The sum of the boxes' areas over that of the whole is how
-// many of them a ray hits; refitting keeps the groups, as it keeps Embree's tree, and their boxes grow.
+// It evaluates the surface area heuristic on its own boxes: triangles in the order of a space-filling curve at the
+// built pose, grouped by fours level by level. The sum of the boxes' areas over the area of the whole is the number of
+// boxes that a ray hits. Refitting keeps the groups, as it keeps Embree's tree, and their boxes grow.
 class PoseQuality {
  public:
-  // A refit tree is rebuilt where its cost reaches this share of the built pose's.
+  // A refit tree is rebuilt when its cost over that of the built pose reaches this value.
   static constexpr double worst_growth = 1.3;
 
-  // Remembers the mesh as built.
+  // Stores the mesh's cost as built.
   void build(const model::Mesh& mesh);
   // Returns the mesh's cost over its cost as built; infinite before the first build().
   double growth(const model::Mesh& mesh);

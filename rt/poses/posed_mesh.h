@@ -1,5 +1,4 @@
-// Describes a mesh in a pose that changes from commit to commit, as the acceleration structures keep it. Any thread may
-// read it.
+// Describes a mesh in a pose that changes between commits, for the acceleration structures. Any thread may read it.
 #pragma once
 
 #include <cstdint>
@@ -10,14 +9,14 @@
 namespace sideray::rt {
 
 enum class PoseChange {
-  none,    // nothing changed since the last scene
-  refit,   // vertices moved, a tree of the pose that was built last still serves
-  rebuild  // vertices moved too far from it
+  none,    // unchanged since the last scene
+  refit,   // vertices moved, but the built tree still suits them
+  rebuild  // vertices moved too far for the built tree
 };
 
 struct PosedMesh {
-  std::shared_ptr<const model::Mesh> neutral, mesh;  // differ in positions and bounds alone
-  uint64_t pose;                                     // stays when the mesh moves; not 0
+  std::shared_ptr<const model::Mesh> neutral, mesh;  // differ only in positions and bounds
+  uint64_t pose;                                     // the pose's number, which stays when the mesh moves; not 0
   PoseChange change;
 };
 

@@ -8,7 +8,7 @@
 namespace sideray::rt {
 namespace {
 
-// Of a ray, in lengths of its direction.
+// Is an interval of a ray, in lengths of its direction.
 struct Part {
   float from, to;
   bool empty() const { return !(from <= to); }
@@ -18,19 +18,20 @@ float largest_of(glm::vec3 v) {
   return std::max(std::max(v.x, v.y), v.z);
 }
 
-// Returns the part of a line from q along v within a cube around 0; `inverse` is 1 / v.
+// Returns the part of a line q + t v within a cube around 0; `inverse` is 1 / v.
 Part within(glm::vec3 q, glm::vec3 inverse, float half, Part whole) {
   const glm::vec3 a = (-half - q) * inverse, b = (half - q) * inverse;
   const glm::vec3 enters = glm::min(a, b), leaves = -glm::max(a, b);
   return {std::max(whole.from, largest_of(enters)), std::min(whole.to, -largest_of(leaves))};
 }
 
-// Marks cells along a part of a line in a cube of `side` cells a side, `per_unit` a unit of q: one sample for each cell that
-// it advances along its longest axis, so that all of the line is within half a cell of a sample along each.
+// Marks the cells along a part of a line, in a cube with `side` cells a side and `per_unit` cells per unit of q. It
+// takes one sample for each cell that the line advances along its longest axis, so that on every axis the line is
+// within half a cell of a sample.
 template <int side, typename Row>
 void walk(Row* rows, glm::vec3 q, glm::vec3 v, float per_unit, Part part) {
   constexpr float middle = 0.5f * static_cast<float>(side);
-  // In fixed point: between two places within the cube all are.
+  // Fixed point is safe: between two points inside the cube, the whole line is inside.
   constexpr int bits = 16;
   constexpr float one = 1 << bits, last = static_cast<float>((side << bits) - 64);
   const glm::ivec3 start(glm::clamp(((q + v * part.from) * per_unit + middle) * one, 0.0f, last));
@@ -46,7 +47,7 @@ void walk(Row* rows, glm::vec3 q, glm::vec3 v, float per_unit, Part part) {
   mark();
 }
 
-// Returns whether any cell is marked in a box, or within half a cell around it.
+// Returns whether any cell is marked in a box that is widened by half a cell.
 template <int side, typename Row>
 bool is_marked(const Row* rows, float per_unit, glm::vec3 low, glm::vec3 high) {
   constexpr float middle = 0.5f * static_cast<float>(side), around = 0.51f;
@@ -96,13 +97,14 @@ bool RayCells::meets(const ReachCube& cube, const model::Bounds& box) const {
   const float farthest_out = std::max(largest_of(-low), largest_of(high));
   if (!(farthest_out <= outer_half) && beyond_) return true;
   constexpr float inner_cells = 0.5f * inner_side, outer_cells = 0.5f * outer_side / outer_half;
-  constexpr float inner_around = 1.0f + 1.0f / inner_side;  // rays are sampled to its sides
+  constexpr float inner_around = 1.0f + 1.0f / inner_side;  // rays are sampled to within half a cell
   const bool is_near = largest_of(low) <= inner_around && largest_of(-high) <= inner_around;
   if (is_near && is_marked<inner_side>(inner_.data(), inner_cells, low, high)) return true;
   return farthest_out > 1.0f && is_marked<outer_side>(outer_.data(), outer_cells, low, high);
 }
 
-// Fits the inner cube to the depths, less outliers: what few pixels show (the far end of the ground) may lie outside.
+// Fits the inner cube to the depths without outliers: surfaces in few pixels (the far end of the ground) may lie
+// outside.
 void TileReach::fit(const TraceView& view, uint32_t width, uint32_t height, const DepthImage& depth) {
   if (is_fit_ || !depth.texels) return;
   is_fit_ = true;

@@ -15,8 +15,8 @@ void Beams::begin(const ShadingScene& scene, const Intersector& intersector, con
   traversals = 0;
 }
 
-// Leaves the beams that nothing opaque blocks. The environment is occluded by what paths hit, so that both ways to
-// sample it agree.
+// Keeps only beams without an opaque occluder. The environment is occluded by the surfaces that paths hit, so that both
+// sampling strategies agree.
 void Beams::find_free(std::vector<Beam>& beams, BeamTarget target) {
   rays_.clear();
   for (const Beam& beam : beams) rays_.push_back(beam.ray);
@@ -30,7 +30,7 @@ void Beams::find_free(std::vector<Beam>& beams, BeamTarget target) {
   beams.erase(beams.begin() + static_cast<std::ptrdiff_t>(left), beams.end());
 }
 
-// Takes from each beam what translucent surfaces and media on its way keep.
+// Attenuates each beam by translucent surfaces and media on its way.
 void Beams::dim(std::vector<Beam>& beams, BeamTarget target) {
   rays_.clear();
   for (const Beam& beam : beams) rays_.push_back(beam.ray);
@@ -67,7 +67,7 @@ void Beams::dim(Beam& beam, BeamTarget target, std::span<const Hit> hits) {
     if (!is_there(target, media, hit)) continue;
     bool scatters = false;
     met_.push_back(surface(beam, hit, scatters));
-    // Where one solid ends and another begins at the same place, there is no gap between them.
+    // If one solid ends where another begins, there is no gap between them.
     const size_t last = met_.size() - 1;
     if (last > 0 && met_[last].solid && hit.front && met_[last - 1].solid && !met_[last - 1].hit.front &&
         hit.distance <= met_[last - 1].hit.distance + static_cast<double>(met_[last - 1].skin))
@@ -75,14 +75,14 @@ void Beams::dim(Beam& beam, BeamTarget target, std::span<const Hit> hits) {
     bends |= scatters;
     if (is_volume(hit)) cross(*refraction_, hit, false, media);
   }
-  // Bent by what changes the index, in the order in which media are crossed.
+  // A beam is bent where the index changes; media are tracked in the order of crossings.
   media = beam.media;
   for (const StraightSurface& s : met_) {
     if (bends || !is_volume(s.hit)) continue;
     const Crossing crossing = cross(*refraction_, s.hit, false, media);
     bends = crossing.interface && (crossing.ior_from != crossing.ior_to || crossing.disperses);
   }
-  // Straight transmission is added here; paths find the rest.
+  // Light that is transmitted straight is added here; paths find the rest.
   if (bends) beam.gain = beam.bent_gain;
   if (!(largest(beam.gain) > 0.0f)) return;
   if (refraction_) {
@@ -96,12 +96,12 @@ bool Beams::is_there(BeamTarget target, const MediumStack& media, const Hit& hit
   const model::Instance& instance = scene_->snapshot->instances[hit.instance];
   const uint32_t visible = target == BeamTarget::lamp ? SIDERAY_VISIBLE_SHADOW : SIDERAY_VISIBLE_REFLECTION;
   if (instance.sprites == 0 && !(instance.visibility & visible)) return false;
-  // The light of lamps crosses both sides (docs/adr/0043-back-faces.md).
+  // Light of lamps passes both sides (docs/adr/0043-back-faces.md).
   if (target == BeamTarget::lamp || hit.front || !scene_->snapshot->materials[instance.material].cull_back) return true;
   return !media.empty() && is_volume(hit);
 }
 
-// `scatters`: whether a thin wall lets light through in many directions.
+// Sets `scatters` if the surface is a thin wall that scatters light in many directions.
 StraightSurface Beams::surface(const Beam& beam, const Hit& hit, bool& scatters) const {
   const bool solid = refraction_ && is_solid(*refraction_, hit);
   const SurfacePoint point = surface_point(solid ? refraction_->surfaces : *scene_, hit, beam.ray, Cone{});

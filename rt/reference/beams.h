@@ -1,5 +1,5 @@
-// Follows rays toward lights: whether anything opaque is in the way, and what everything translucent there leaves of the
-// light. Rays are not bent (rt/shading/straight_light). Holds scratch memory: one object per thread.
+// Follows rays toward lights and attenuates their light: opaque surfaces block it, translucent ones transmit a part.
+// Rays are not bent (rt/light/straight_light.h). It has scratch memory: one object per thread.
 #pragma once
 
 #include <cstdint>
@@ -13,24 +13,24 @@
 
 namespace sideray::rt {
 
-// A ray to a lamp hits what casts shadows; one to the environment or to a shining surface hits what paths hit.
+// A ray to a lamp hits what casts shadows; one to the environment or to an emissive surface hits what paths hit.
 enum class BeamTarget { lamp, scene };
 
 struct Beam {
-  Ray ray;            // it begins at t = 0 and ends at the light
-  MediumStack media;  // in which it begins
-  uint32_t sum;       // to which it adds
-  glm::vec3 gain;       // what the light adds where nothing is in its way
-  glm::vec3 bent_gain;  // the same if something on its way refracts; 0: paths find that
+  Ray ray;            // starts at t = 0 and ends at the light
+  MediumStack media;  // at its start
+  uint32_t sum;       // index of the sum that it adds to
+  glm::vec3 gain;       // unoccluded light
+  glm::vec3 bent_gain;  // the same if something on the way refracts; 0: paths find that light
 };
 
 class Beams {
  public:
-  // The caller keeps all of it. `refraction` null: nothing bends light, and volumes absorb by their thickness.
+  // The caller keeps all objects alive. `refraction` null: nothing bends light, and volumes absorb by their thickness.
   void begin(const ShadingScene& scene, const Intersector& intersector, const RefractionScene* refraction);
   void add(BeamTarget target, const Beam& beam) { (target == BeamTarget::lamp ? lamps_ : scene_beams_).push_back(beam); }
   size_t size() const { return lamps_.size() + scene_beams_.size(); }
-  // Follows all beams, and calls add(sum, light) with what is left of each, in order.
+  // Follows all beams, and calls add(sum, light) with the attenuated light of each, in order.
   template <typename Add>
   void end(const Add& add);
 

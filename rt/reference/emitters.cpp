@@ -15,12 +15,12 @@ namespace {
 
 constexpr uint32_t none = 0xffffffffu;
 constexpr uint32_t most_in_leaf = 8, bins = 16;
-// A triangle's middle counts as turned this far toward a point at least: other parts of it may be turned farther.
+// A triangle counts as facing a point by at least this cosine at its centre, because other parts may face it more.
 constexpr float least_turned = 0.1f;
-// A point's own cosine counts as at least this, for its lobes need not be about one normal.
+// The point's own cosine counts as at least this, because its lobes need not be centred on one normal.
 constexpr float least_facing = 0.03f;
 
-// Returns the mean colour of a texture; white where there is none.
+// Returns the mean colour of a texture; white without a texture.
 glm::vec3 mean_color(const model::Snapshot& snapshot, const sideray_texture_slot& slot) {
   if (slot.texture == 0) return glm::vec3(1.0f);
   const model::Texture& texture = *snapshot.textures[slot.texture - 1];
@@ -32,11 +32,11 @@ glm::vec3 mean_color(const model::Snapshot& snapshot, const sideray_texture_slot
       const uint8_t code = level.rgba[4 * i + static_cast<size_t>(c)];
       sum[c] += texture.srgb ? srgb_decode_table()[code] : static_cast<float>(code) / 255.0f;
     }
-  // What looks black on the average may still shine somewhere.
+  // A texture with a black mean may still have bright texels.
   return glm::max(sum / static_cast<float>(std::max<size_t>(texels, 1)), glm::vec3(1e-3f));
 }
 
-// Returns how much of what shines is taken for an emitter's, from its textures' means; 0 = it is not sampled.
+// Returns an emitter's estimated radiance, by the means of its textures; 0 = it is not sampled.
 float brightness(const model::Snapshot& snapshot, const model::Instance& instance) {
   const model::Material& material = snapshot.materials[instance.material];
   const sideray_material_desc& d = material.desc;
@@ -84,7 +84,7 @@ void EmitterSampler::add(const model::Snapshot& snapshot, uint32_t i) {
   const float bright = brightness(snapshot, instance);
   if (!(bright > 0.0f) || !std::isfinite(bright)) return;
   const model::Mesh& mesh = *snapshot.meshes[instance.mesh];
-  // The far wall of a translucent solid is seen through the near one.
+  // A solid's far wall is visible through its near one.
   const model::Material& material = snapshot.materials[instance.material];
   const bool two_sided = !material.cull_back || model::has_volume(material.desc);
   first_[i] = static_cast<uint32_t>(of_primitive_.size());
@@ -103,7 +103,7 @@ void EmitterSampler::add(const model::Snapshot& snapshot, uint32_t i) {
   }
 }
 
-// Makes a node of `count` triangles of the order, and all below it.
+// Makes a node of `count` triangles of the order, and its subtree.
 void EmitterSampler::build(Building& b, uint32_t node, uint32_t first, uint32_t count) {
   const auto triangle = [&](uint32_t k) -> const Triangle& { return b.triangles[b.order[k]]; };
   const auto middle = [](const Triangle& t) { return t.corner + (t.edge1 + t.edge2) * (1.0f / 3.0f); };
@@ -142,7 +142,7 @@ void EmitterSampler::build(Building& b, uint32_t node, uint32_t first, uint32_t 
     }
     return;
   }
-  // Splits where the powers times sizes of the halves are least.
+  // Splits where the sum of the halves' power times size is smallest.
   uint32_t split = count / 2;
   const auto bin_of = [&](uint32_t index) {
     const float at = (middle(b.triangles[index])[along] - low_middle[along]) / size[along];
@@ -197,7 +197,7 @@ void EmitterSampler::build(Building& b, uint32_t node, uint32_t first, uint32_t 
   build(b, child + 1, first + split, count - split);
 }
 
-// Bounds what a point gets from any triangle of the node.
+// Bounds the light that a point may receive from any triangle of the node.
 float EmitterSampler::importance(const Node& n, const LitPoint& p) const {
   const glm::vec3 away = p.position - n.center;
   const float square = glm::dot(away, away), radius2 = glm::dot(n.half, n.half);
@@ -234,7 +234,7 @@ float EmitterSampler::importance(const Triangle& t, const LitPoint& p) const {
   return t.power * turned * std::max(facing, least_facing) / std::max(square, 0.5f * t.area);
 }
 
-// Returns the chance of the triangle to be chosen.
+// Returns the probability of choosing the triangle.
 float EmitterSampler::chance(uint32_t index, const LitPoint& p) const {
   const float own = importance(triangles_[index], p);
   if (!(own > 0.0f)) return 0.0f;
@@ -262,7 +262,7 @@ EmitterSampler::Sample EmitterSampler::sample(const LitPoint& p, float choice, g
   Sample s{};
   uint32_t node = 0;
   float chance = 1.0f;
-  // What is left of `choice` is uniform again.
+  // The rest of `choice` is rescaled to a uniform number.
   const auto takes_first = [&](float a, float b) {
     const float share = a / (a + b);
     const bool first = choice < share;

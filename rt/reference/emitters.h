@@ -1,5 +1,5 @@
-// Draws points of surfaces that shine, in proportion to what a point may get of their light: a tree of boxes says how
-// bright, how far and how turned they are (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with
+// Samples points of emissive surfaces in proportion to the light that a point may receive from them: a tree of boxes
+// bounds power, distance and orientation (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with
 // Adaptive Tree Splitting"). Immutable once made; any thread may use it.
 #pragma once
 
@@ -16,28 +16,29 @@ namespace sideray::rt {
 struct LitPoint {
   glm::vec3 position{0.0f};
   glm::vec3 normal{0.0f};   // unit
-  bool from_behind = false;  // light from the other side counts too
+  bool from_behind = false;  // light from the back counts too
 };
 
 class EmitterSampler {
  public:
   EmitterSampler() = default;
-  // Keeps the snapshot. Surfaces with holes, and those that reflections do not show, are left out: rays find them by
-  // chance.
+  // Keeps the snapshot alive. Surfaces with holes, and those invisible in reflections, are left out: only random rays
+  // find them.
   explicit EmitterSampler(std::shared_ptr<const model::Snapshot> snapshot);
 
   struct Sample {
-    Hit hit;         // as a ray from the point would have it
+    Hit hit;         // as a ray from the point would return it
     Ray ray;         // unit, from the point to the emitter
     float density;   // per steradian; 0 = nothing is sampled
   };
-  // Samples what a point sees, whether anything is in the way or not. `u`: a point of the unit square. Not where nothing
-  // shines.
+  // Samples an emitter for a point, without regard to occlusion. `u` is a point of the unit square. Must not be called
+  // if nothing emits.
   Sample sample(const LitPoint& point, float choice, glm::vec2 u) const;
-  // Returns the density of what a ray of this unit direction from the point hits; 0 where that is not sampled.
+  // Returns the density of sampling `hit`, which a ray from the point in this unit direction found; 0 if it is never
+  // sampled.
   float density(const LitPoint& point, const Hit& hit, glm::vec3 direction) const;
 
-  // Returns whether a surface is sampled on the side hit.
+  // Returns whether the hit side of the surface is sampled.
   bool samples(const Hit& hit) const;
 
   bool empty() const { return triangles_.empty(); }
@@ -48,8 +49,8 @@ class EmitterSampler {
     glm::vec3 corner, edge1, edge2, normal;  // of the front face, unit; local space
     float area, power;
     uint32_t instance, primitive;
-    uint32_t node;   // the leaf that holds it
-    bool two_sided;  // else its back is not sampled
+    uint32_t node;   // its leaf
+    bool two_sided;  // false: its back is not sampled
   };
   struct Node {
     glm::vec3 center, half;  // of its box
@@ -58,7 +59,7 @@ class EmitterSampler {
     float power;
     bool two_sided;
     uint32_t parent;
-    uint32_t first, count;   // a leaf's triangles; count 0: `first` is its first child, and the other follows
+    uint32_t first, count;   // a leaf's triangles; count 0: `first` is the first child, followed by the other
   };
   struct Building;
 
@@ -70,10 +71,10 @@ class EmitterSampler {
   float density(uint32_t triangle, float chance, glm::vec3 direction, float distance) const;
 
   std::shared_ptr<const model::Snapshot> snapshot_;
-  std::vector<Triangle> triangles_;  // a leaf's are neighbours
+  std::vector<Triangle> triangles_;  // contiguous for each leaf
   std::vector<Node> nodes_;          // the first is the root
-  std::vector<uint32_t> first_;      // of each instance: its first entry in of_primitive_, or none
-  std::vector<uint32_t> of_primitive_;  // the triangle, or none
+  std::vector<uint32_t> first_;      // by instance: its first entry in of_primitive_, or none
+  std::vector<uint32_t> of_primitive_;  // index in triangles_, or none
 };
 
 }  // namespace sideray::rt

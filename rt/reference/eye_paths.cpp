@@ -10,11 +10,12 @@
 namespace sideray::rt {
 namespace {
 
-// A ray of the eye hits at most this many surfaces: some never leave a solid.
+// The most surfaces that a primary ray hits: some rays never leave a solid.
 constexpr uint32_t most_events = 256;
-// Below this share of light nothing more is followed.
+// Rays end below this transmittance.
 constexpr float least_transmittance = 1e-6f;
-// Each surface counts for this share of the average at least: what it reflects may be much brighter than what is behind.
+// Each surface's importance is at least this share of the average, because its reflection may be much brighter than
+// what is behind.
 constexpr float least_importance = 0.1f;
 
 enum Purpose : uint32_t { for_stops = 0x5709u };
@@ -41,7 +42,7 @@ void EyePaths::trace(std::span<const EyeRay> rays, const EyeSettings& settings, 
   }
 }
 
-// Follows the rays up to their first random continuation.
+// Follows the rays to their first random continuation.
 void EyePaths::find_stops(std::span<const EyeRay> rays, const EyeSettings& settings) {
   stops_.clear();
   next_views_.clear();
@@ -64,7 +65,7 @@ void EyePaths::find_stops(std::span<const EyeRay> rays, const EyeSettings& setti
   }
 }
 
-// Follows a ray along the surfaces found so far. Returns false where it ends there.
+// Follows a ray through the surfaces found so far. Returns false if it ends there.
 bool EyePaths::go_on(View& view, const EyeSettings& settings) {
   WayEvent event;
   while (tracer_->ways().next(view.way, event)) {
@@ -76,7 +77,7 @@ bool EyePaths::go_on(View& view, const EyeSettings& settings) {
   return false;
 }
 
-// Returns false where the ray ends.
+// Returns false if the ray ends.
 bool EyePaths::meet(View& view, WayEvent& event) {
   const LightWays& ways = tracer_->ways();
   uint32_t& met = (*seen_)[view.ray].surfaces;
@@ -118,7 +119,7 @@ void EyePaths::end(View& view, const EyeSettings& settings) {
   }
 }
 
-// Adds what a surface emits toward the eye, and makes it a start of paths if it reflects.
+// Adds the surface's emission, and makes it a start of paths if it reflects.
 void EyePaths::reflect(const View& view, const WayEvent& event, float cover) {
   const SurfacePoint& point = event.point;
   const glm::vec3 weight = view.through * cover;
@@ -128,7 +129,7 @@ void EyePaths::reflect(const View& view, const WayEvent& event, float cover) {
     stops_.push_back({view.way, event, false, view.ray, weight, largest(weight) * lobes.albedo()});
 }
 
-// Gives each stop paths in proportion to its importance, at evenly spaced places of the sum of all.
+// Distributes paths in proportion to importance, at evenly spaced positions in the cumulative sum.
 void EyePaths::share_out(std::span<const EyeRay> rays, const EyeSettings& settings) {
   starts_.clear();
   order_.resize(stops_.size());

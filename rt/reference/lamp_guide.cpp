@@ -22,7 +22,7 @@ float LampGuide::aperture(uint32_t cone) {
 void LampGuide::add(const ReferenceLight& light, const shading::SrIncidence& in) {
   const float weight = largest(in.irradiance);
   if (light.light.type == SIDERAY_LIGHT_DIRECTIONAL || !(weight > 0.0f) || !std::isfinite(weight)) return;
-  // A cone narrower than the lamp would see nothing but the lamp.
+  // A narrower cone would contain only the lamp.
   uint32_t cones = 1;
   for (float angle = 0.5f * widest; cones < most_cones && angle * in.distance > 0.5f * light.radius; angle *= 0.5f) ++cones;
   const Lamp lamp{in.to_light, weight, cones};

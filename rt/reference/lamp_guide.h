@@ -1,5 +1,6 @@
-// Draws directions toward what stands around lamps. Shades, bulbs and walls beside a lamp are lit by the inverse square of
-// their distance: they are the brightest surfaces of a room and seldom found by chance. Values; any thread may use them.
+// Samples directions toward the surroundings of lamps. Shades, bulbs and walls beside a lamp receive light by the
+// inverse square of their distance: they are the brightest surfaces of a room, and random directions seldom hit them.
+// Values; any thread may use them.
 #pragma once
 
 #include <array>
@@ -11,9 +12,9 @@ namespace sideray::rt {
 
 class LampGuide {
  public:
-  // Forgets all lamps.
+  // Removes all lamps.
   void clear() { count_ = 0, sum_ = 0.0f; }
-  // Adds a lamp that has a place. Only the most important ones stay.
+  // Adds a lamp with a position. Only the most important lamps are kept.
   void add(const ReferenceLight& light, const shading::SrIncidence& incidence);
   bool empty() const { return count_ == 0; }
 
@@ -23,8 +24,8 @@ class LampGuide {
   float density(glm::vec3 direction) const;
 
  private:
-  // Cones about the direction to the lamp, each half as wide as the one before: of a light that falls by the square of the
-  // angle each ring gets as much.
+  // Cones about the direction to the lamp, each half as wide as the previous one. If light falls with the square of the
+  // angle, each ring receives the same amount.
   static constexpr uint32_t most_lamps = 8, most_cones = 8;
   static constexpr float widest = 0.5f;  // radians
   struct Lamp {

@@ -47,7 +47,7 @@ void LightWays::find_opaque(std::span<LightWay* const> ways, bool from_eye) {
     way->fresh = false;
     group_.push_back(way);
     rays_.push_back(way->ray);
-    rays_.back().t_near = 0.0f;  // from before a surface that was crossed: an opaque one may lie on it
+    rays_.back().t_near = 0.0f;  // starting in front of the crossed surface, because an opaque one may lie on it
   }
   if (rays_.empty()) return;
   hits_.resize(rays_.size());
@@ -79,7 +79,7 @@ void LightWays::find_translucent(std::span<LightWay* const> ways, bool from_eye,
   if (group_.empty()) return;
   hits_.resize(rays_.size() * layers);
   counts_.resize(rays_.size());
-  // Backs are found too: whether one is seen depends on the media there (is_there).
+  // Includes backs; whether one is visible depends on the media there (is_there).
   intersector_->nearest_layers(LayerSet::with_sprites, rays_, layers, directions_agree(rays_), hits_.data(),
                                counts_.data(), from_eye ? eye_ : Cone{}, false);
   traversals += rays_.size();
@@ -88,8 +88,8 @@ void LightWays::find_translucent(std::span<LightWay* const> ways, bool from_eye,
     group_[i]->ahead.take(instances, {&hits_[i * layers], counts_[i]}, layers, group_[i]->ray);
 }
 
-// Rays that are not bent see no backs of materials that are not double sided, as the rasterizer's eye does not
-// (docs/adr/0043-back-faces.md).
+// Returns whether the ray sees the hit. Unbent rays do not see backs of materials that are not double sided, as in the
+// rasterizer (docs/adr/0043-back-faces.md).
 bool LightWays::is_there(const LightWay& way, const Hit& hit) const {
   const model::Instance& instance = surfaces_->snapshot->instances[hit.instance];
   if (!way.from_eye && instance.sprites == 0 && !(instance.visibility & SIDERAY_VISIBLE_REFLECTION)) return false;

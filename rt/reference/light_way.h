@@ -1,5 +1,5 @@
-// Follows rays through everything translucent, those of the eye and those that leave surfaces: which surface comes next, in
-// which media a ray is, what is left of its light. Holds scratch memory: one object per thread.
+// Follows rays, primary ones and those that leave surfaces, through translucent surfaces: finds the next surface, the
+// media around the ray, and the transmittance. It has scratch memory: one object per thread.
 #pragma once
 
 #include <cstdint>
@@ -14,67 +14,67 @@
 
 namespace sideray::rt {
 
-// Describes a ray on its way, and the surfaces found ahead of it.
+// Is a ray and the surfaces found ahead of it.
 struct LightWay {
   LightWay(const Ray& unit, Cone footprint, const MediumStack& around);
-  // The ray ends at an opaque surface; no_instance: at none.
+  // Ends the ray at an opaque surface; no_instance: it has none.
   void end_at(const Hit& hit);
 
   Ray ray;
   Cone cone;
   MediumStack media;
-  Light light = Light::all;  // that it carries
-  bool fresh = true;      // the opaque surface on the ray is still to be found
-  bool bent = false;      // it has been refracted or scattered: backs are seen, as by the tracer of refracted rays
-  // It hits what the eye sees, also what reflections do not show, and no backs of opaque surfaces that are not double
-  // sided.
+  Light light = Light::all;  // the channels that it carries
+  bool fresh = true;      // its opaque surface has not been searched yet
+  bool bent = false;      // refracted or scattered before; it then hits back faces, as in RefractionTracer
+  // It is a primary ray: it also hits surfaces invisible in reflections, and no backs of opaque surfaces that are not
+  // double sided.
   bool from_eye = false;
-  bool crossed = false;   // it has hit a translucent surface: before, the eye may be inside of any
+  bool crossed = false;   // it has hit a translucent surface; before that, the eye may be inside any solid
   float absorbed = 0.0f;  // distance along the ray up to which its medium has absorbed
-  Hit opaque;             // where the ray ends; no_instance: at none, or not looked for
+  Hit opaque;             // end of the ray; no_instance: none, or not searched yet
   SurfacesAhead ahead;
 };
 
-// Says how light goes on behind a translucent surface.
+// Says how light continues behind a translucent surface.
 enum class Passage {
-  straight,   // in its direction
-  refracted,  // in another, which the surface determines
-  scattered,  // in one of many
-  mirrored    // not at all: it is reflected totally
+  straight,   // in the same direction
+  refracted,  // in another direction, determined by the surface
+  scattered,  // in a random direction
+  mirrored    // totally reflected
 };
 
 // Describes a translucent surface that a ray hits.
 struct WayEvent {
   Passage passage;
   SurfacePoint point;
-  glm::vec3 arriving;   // what the medium leaves of light on the way there since the event before
+  glm::vec3 arriving;   // transmittance of the medium since the previous event
   Crossing crossing;
   MediumStack behind;   // the media on the far side
-  glm::vec3 direction;  // refracted and mirrored: where the light goes on
+  glm::vec3 direction;  // refracted and mirrored: the new direction
 };
 
 class LightWays {
  public:
-  // The caller keeps all of it. `refraction` null: nothing bends light, and volumes absorb by their thickness.
+  // The caller keeps all objects alive. `refraction` null: nothing bends light, and volumes absorb by their thickness.
   void begin(const ShadingScene& scene, const Intersector& intersector, const RefractionScene* refraction);
-  // Sets the cone at which rays of the eye read alpha.
+  // Sets the cone for the alpha of primary rays.
   void look(Cone eye) { eye_ = eye; }
 
-  // Finds the opaque surfaces at which those rays end that are fresh.
+  // Finds the opaque ends of those rays that are fresh.
   void find_opaque(std::span<LightWay* const> ways);
-  // Finds the next translucent surfaces of those ways that have used up theirs and may have more.
+  // Finds the next translucent surfaces of ways that have none left ahead and may hit more.
   void find_translucent(std::span<LightWay* const> ways);
-  // Takes the way's next surface; the way stays in the media in front of it. Returns false if none is left: a complete
-  // way ends there.
+  // Returns the way's next surface; the way stays in the media in front of it. Returns false if none is left; a
+  // complete way ends then.
   bool next(LightWay& way, WayEvent& event) const;
-  // Makes the way one of that light alone, and says how the surface bends it.
+  // Restricts the way to that light, and recomputes how the surface bends it.
   void disperse(LightWay& way, WayEvent& event, Light light) const;
-  // Returns what the medium leaves from the last event on to `distance`, which may be infinite.
+  // Returns the medium's transmittance from the last event to `distance`, which may be infinite.
   glm::vec3 arriving(const LightWay& way, float distance) const;
-  // Returns the surface at which the ray ends.
+  // Makes the surface at the ray's end.
   SurfacePoint end_point(const LightWay& way) const { return surface_point(*surfaces_, way.opaque, way.ray, way.cone); }
 
-  // Sends the light on in another direction: on the near side of the surface where it is mirrored, else on the far one.
+  // Continues in another direction: on the surface's near side if the light is mirrored, else on the far side.
   void redirect(LightWay& way, const WayEvent& event, glm::vec3 direction) const;
   // Returns the media behind a surface that a ray reaches in the media `before`.
   MediumStack behind(const SurfacePoint& point, const MediumStack& before) const;

@@ -19,7 +19,7 @@ glm::vec3 PathShader::surroundings(glm::vec3 direction, float roughness) const {
 }
 
 void PathShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance) {
-  // Of each point: the halves, and what both have in common.
+  // For each point: two halves, and their common part.
   sums_.assign(3 * points.size(), {});
   ways_.clear();
   starts_.clear();

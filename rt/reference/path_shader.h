@@ -1,5 +1,5 @@
-// Shades surfaces by paths of any number of bounces (docs/adr/0028-paths.md): for callers that find the eye's surfaces
-// by themselves. Holds scratch memory: one object per thread.
+// Shades surfaces by paths of any number of bounces (docs/adr/0028-paths.md), for callers that find the primary hits
+// themselves. It has scratch memory: one object per thread.
 #pragma once
 
 #include <vector>
@@ -10,12 +10,12 @@ namespace sideray::rt {
 
 class PathShader final : public PointShader {
  public:
-  // `samples`: paths of each point, at least 1; the rest as PathTracer::begin().
+  // `samples`: paths per point, at least 1; other arguments as in PathTracer::begin().
   void begin(const ReferenceScene& scene, const RefractionScene* refraction, const EmitterSampler& emitters,
              const PathSettings& settings, uint32_t samples);
   PathTracer& tracer() { return tracer_; }
 
-  // The estimates are two independent halves of the samples, as those of ReferenceShader.
+  // Returns two independent halves of the samples, as ReferenceShader does.
   uint32_t estimates() const override { return 2; }
   void within(const MediumStack* media) override { media_ = media; }
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
@@ -27,7 +27,7 @@ class PathShader final : public PointShader {
   const model::Environment* environment_ = nullptr;
   uint32_t samples_ = 1;
   const MediumStack* media_ = nullptr;
-  std::vector<LightWay> ways_;  // up to the points
+  std::vector<LightWay> ways_;  // primary rays up to the points
   std::vector<PathStart> starts_;
   std::vector<PathSum> sums_;
 };

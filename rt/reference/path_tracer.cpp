@@ -12,29 +12,29 @@ namespace {
 
 // Number of paths that travel together; those of one start always do.
 constexpr uint32_t paths_at_once = 2048;
-// This share of the way to a light is not tested, so that rounding does not carry the ray past it.
+// Rays stop before the light by this share of the distance, so that rounding does not carry them past it.
 constexpr float short_of_light = 1e-5f;
-// The same for a surface that shines, which would block its own light.
+// The same for an emissive surface, which would block its own light.
 constexpr float short_of_emitter = 1e-3f;
-// Some paths never leave a solid: from the first of these counts on one path of ten ends at each surface, and the
-// others count for it; no path hits more surfaces than the second.
+// Some paths never leave a solid. From patient_events on, a path ends at each surface with a probability of 1 in 10,
+// and the survivors get its weight; no path hits more than most_events surfaces.
 constexpr uint32_t patient_events = 64, most_events = 1024;
 constexpr float patience = 0.9f;
-// From this bounce on, paths that carry little end by Russian roulette, and the others count for them.
+// From this bounce on, paths with little weight end by Russian roulette, and the survivors get their weight.
 constexpr uint32_t first_roulette = 2;
 constexpr float most_survival = 0.95f, least_survival = 0.05f;
-// A translucent surface is reflected by and passed with this chance at least, where it does both.
+// If a surface both reflects and transmits, each is chosen with at least this probability.
 constexpr float least_chance = 0.1f;
-// What a path carries is nothing below this share.
+// A path with less weight counts as black.
 constexpr float least_share = 1e-7f;
-// This share of the directions in which wide lobes reflect is sampled toward what stands around lamps.
+// The share of directions from wide lobes that is sampled toward the surroundings of lamps.
 constexpr float most_guided = 0.3f;
 // Number of lights sampled where a path begins, and at later surfaces.
 constexpr uint32_t first_draws = 1, later_draws = 1;
-// A light is assumed to contribute at least this share of its best direction: lobes and lights are wide.
+// A light's contribution is estimated as at least this share of its best direction, because lobes and lights are wide.
 constexpr float least_lit = 0.05f;
 
-// These are the purposes of random numbers at a surface; draws of lights count from the last one on.
+// The purposes of random numbers at a surface; sampled lights count from the last one on.
 enum Purpose : uint32_t { for_lobes, for_sky, for_emitter, for_choice, for_scattering, for_roulette, for_passage, for_dispersion, for_lights };
 
 bool is_finite(glm::vec3 v) {
@@ -46,12 +46,13 @@ glm::vec3 start_of_ray(const SurfacePoint& p, glm::vec3 direction) {
   return p.position + p.geometric_normal * side;
 }
 
-// Returns the weight of a path's light that samples of the other density find too (balance heuristic).
+// Returns the balance heuristic's weight of a path whose light is also sampled with the other density.
 float share_of_path(float density, float other) {
   return density > 0.0f && other > 0.0f ? density * balance(1.0f, density, 1.0f, other) : 1.0f;
 }
 
-// Light that is reflected leaves the surface on the viewer's side, however far the shading normal is bent.
+// Returns the direction, lifted to the viewer's side: reflected light leaves there, however far the shading normal is
+// perturbed.
 glm::vec3 leaving(const SurfacePoint& p, glm::vec3 direction) {
   return glm::dot(p.surface.normal, direction) > 0.0f ? shading::sr_lifted(direction, p.geometric_normal) : direction;
 }
@@ -92,7 +93,7 @@ void PathTracer::add_exact_lights(const PathStart& start, std::span<PathSum> sum
   if (beams_.size() > paths_at_once) end_beams();
 }
 
-// Emits the paths of a start.
+// Starts the paths.
 void PathTracer::start(const PathStart& start) {
   if (start.count == 0) return;
   const LobeSampler lobes(*start.point);
@@ -133,7 +134,7 @@ void PathTracer::follow() {
   }
 }
 
-// Follows the path along the surfaces found so far.
+// Follows the path through the surfaces found so far.
 void PathTracer::advance(Path& path) {
   WayEvent event;
   while (ways_.next(path.way, event))
@@ -144,8 +145,8 @@ void PathTracer::advance(Path& path) {
     next_paths_.push_back(path);
 }
 
-// Lets the path hit a translucent surface. Returns whether it goes on along the same ray; where it goes on otherwise,
-// it is among the next paths.
+// Handles a translucent surface on the path. Returns whether the path continues along the same ray; if it continues
+// differently, it is added to the next paths.
 bool PathTracer::meet(Path& path, WayEvent& event) {
   path.weight *= event.arriving;
   if (++path.events > most_events) return false;
@@ -178,14 +179,14 @@ bool PathTracer::meet(Path& path, WayEvent& event) {
   return pass(path, event);
 }
 
-// Takes the path across a translucent surface; returns what meet() does.
+// Takes the path across a translucent surface; returns the result of meet().
 bool PathTracer::pass(Path& path, WayEvent& event) {
   if (event.passage == Passage::straight) {
     path.way.media = event.behind;
     return true;
   }
   if (event.passage == Passage::refracted && event.crossing.disperses) {
-    // One channel by lot counts for all three.
+    // One random channel represents all three.
     const auto lot = static_cast<uint32_t>(3.0f * unit_float(random_key({event.point.key, for_dispersion})));
     const Light light = std::array{Light::red, Light::green, Light::blue}[std::min(lot, 2u)];
     path.weight *= 3.0f * channels_of(light);
@@ -198,22 +199,22 @@ bool PathTracer::pass(Path& path, WayEvent& event) {
   return false;
 }
 
-// Sends the path on in another direction. Only paths find what they hit then: it counts in full.
+// Continues the path in another direction. Light found along it is not sampled otherwise, so it has the full weight.
 void PathTracer::bend(Path& path, const WayEvent& event, glm::vec3 direction) {
   ways_.redirect(path.way, event, direction);
   path.density = 0.0f;
-  if (!path.way.from_eye) meet_lights_bent(path, event.point);  // the eye sees no lights
+  if (!path.way.from_eye) meet_lights_bent(path, event.point);  // the camera does not see lights
   next_paths_.push_back(path);
 }
 
-// Returns the weighted light of a shining surface that the path hits, since it is sampled too.
+// Returns the weight of light from an emissive surface that the path hits, which is also sampled.
 glm::vec3 PathTracer::counted(const Path& path, const Hit& hit) const {
   if (path.density > 0.0f)
     return glm::vec3(share_of_path(path.density, emitters_->density(path.from, hit, path.way.ray.direction)));
   return path.way.bent && emitters_->samples(hit) ? path.bent_share : glm::vec3(1.0f);
 }
 
-// Lets the path hit the opaque surface at the end of its ray, or the environment.
+// Handles the opaque surface or the environment at the end of the path's ray.
 void PathTracer::end(Path& path) {
   if (path.way.opaque.instance == no_instance) {
     path.weight *= ways_.arriving(path.way, farthest);
@@ -242,7 +243,7 @@ void PathTracer::bounce(Path& path, const SurfacePoint& point, const LobeSampler
   reflect(path, point, lobes);
 }
 
-// Lets a surface reflect: adds the light that arrives there straight from lights and environment, and sends the path on.
+// Adds direct light from lights and environment, and continues the path by reflection.
 void PathTracer::reflect(Path& path, const SurfacePoint& point, const LobeSampler& lobes) {
   path.from = {point.position, point.surface.normal, point.surface.behind != glm::vec3(0.0f)};
   sample_lights(path, point, lobes);
@@ -251,7 +252,7 @@ void PathTracer::reflect(Path& path, const SurfacePoint& point, const LobeSample
   if (leave(path, point, lobes)) next_paths_.push_back(path);
 }
 
-// Sends the path out of a surface that reflects. Returns false where it ends there.
+// Continues the path by reflection. Returns false if it ends there.
 bool PathTracer::leave(Path& path, const SurfacePoint& point, const LobeSampler& lobes) {
   glm::vec2 u = random_point(path, for_lobes);
   const bool is_guided = u.x < guided_;
@@ -279,14 +280,14 @@ bool PathTracer::leave(Path& path, const SurfacePoint& point, const LobeSampler&
   return true;
 }
 
-// Returns the density of a direction in which the point that reflects now sends paths.
+// Returns the density with which the current point continues paths in a direction.
 float PathTracer::density(const LobeSampler& lobes, glm::vec3 direction) const {
   const float own = lobes.density(direction);
   return guided_ > 0.0f ? (1.0f - guided_) * own + guided_ * guide_.density(direction) : own;
 }
 
-// Finds the lights that reach a point, as far as nothing is in their way, and in which proportion they are sampled: by what
-// the point makes of them. Where a path begins, those without a size are added exactly.
+// Finds the lights that may reach a point, without regard to occlusion, and the proportions in which they are sampled:
+// by their reflected light. At the start of a path, lights without a size are added exactly instead.
 void PathTracer::find_lights(const SurfacePoint& p, const LobeSampler& lobes, bool is_first) {
   lit_.clear();
   guide_.clear();
@@ -350,7 +351,7 @@ void PathTracer::sample_sky(const Path& path, const SurfacePoint& p, const LobeS
        path.weight * reflected * scene_.environment->radiance(s.direction) * weight, glm::vec3(0.0f), BeamTarget::scene);
 }
 
-// Adds the light of a surface that shines, sampled on it.
+// Samples the light of an emissive surface.
 void PathTracer::sample_emitter(const Path& path, const SurfacePoint& p, const LobeSampler& lobes) {
   const EmitterSampler::Sample s =
       emitters_->sample(path.from, random_point(path, for_choice).y, random_point(path, for_emitter));
@@ -368,8 +369,8 @@ void PathTracer::sample_emitter(const Path& path, const SurfacePoint& p, const L
   send(beam_from(path, p, direction, s.ray.t_far * (1.0f - short_of_emitter)), gain, bent_gain, BeamTarget::scene);
 }
 
-// Adds the sized lights that a reflected path hits, which light samples find too. `density`: that of the direction; the
-// path's weight includes what the surface reflects.
+// Adds sized lights in the direction of a reflected path, which light samples find too. `density`: of the direction;
+// the path's weight must include the reflection.
 void PathTracer::meet_lights(const Path& path, const SurfacePoint& p, glm::vec3 direction, float density) {
   for (const LitBy& lit : lit_) {
     const LightCone& cone = lit.cone;
@@ -383,7 +384,7 @@ void PathTracer::meet_lights(const Path& path, const SurfacePoint& p, glm::vec3 
   }
 }
 
-// Adds the lights that a path hits after refraction.
+// Adds the lights in the direction of a refracted path.
 void PathTracer::meet_lights_bent(const Path& path, const SurfacePoint& p) {
   const glm::vec3 direction = path.way.ray.direction;
   for (const ReferenceLight& light : *scene_.lights) {
@@ -397,7 +398,7 @@ void PathTracer::meet_lights_bent(const Path& path, const SurfacePoint& p) {
   }
 }
 
-// Returns the media that light travels in when it leaves point p of the eye's ray in this direction.
+// Returns the media on the side of point p into which this direction leads.
 MediumStack PathTracer::media_on(const LightWay& way, const SurfacePoint& p, glm::vec3 direction) const {
   return glm::dot(p.geometric_normal, direction) >= 0.0f ? way.media : ways_.behind(p, way.media);
 }

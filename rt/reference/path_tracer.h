@@ -1,5 +1,5 @@
-// Follows paths of light from the surfaces that the eye's rays hit, for any number of bounces (docs/adr/0028-paths.md):
-// surfaces light each other, occlude the environment and cast caustics. Holds scratch memory: one object per thread.
+// Follows light paths from primary hits for any number of bounces (docs/adr/0028-paths.md): surfaces light each other,
+// occlude the environment and cast caustics. It has scratch memory: one object per thread.
 #pragma once
 
 #include <vector>
@@ -14,36 +14,37 @@
 namespace sideray::rt {
 
 struct PathSettings {
-  uint32_t bounces;  // how many surfaces may reflect the light of a path, at least 1; 0 = unlimited
-  bool shadows;      // whether anything stands in the way of lights
-  bool caustics;     // whether lamps and shining surfaces are found by what bends light alone, where they have a size
+  uint32_t bounces;  // number of surfaces that may reflect a path's light, at least 1; 0 = unlimited
+  bool shadows;      // lights can be occluded
+  bool caustics;     // sized lamps and emissive surfaces are refracted, not transmitted straight
 };
 
-// Says where paths begin: at a surface that reflects, or behind one that the eye looks through.
+// Describes where paths start: at a reflecting surface, or behind one that primary rays pass.
 struct PathStart {
-  const LightWay* way;        // of the eye, up to the surface
+  const LightWay* way;        // the primary ray up to the surface
   const SurfacePoint* point;
-  const WayEvent* passed;     // of a surface that they pass; null: it reflects them
-  uint32_t sum;               // to which they add
+  const WayEvent* passed;     // the surface that the paths pass; null: the surface reflects them
+  uint32_t sum;               // index of the sum that they add to
   uint32_t key;               // of their random numbers
-  uint32_t first, count;      // their numbers among the paths of the key
-  glm::vec3 weight;           // what each makes of radiance
+  uint32_t first, count;      // their numbers among all paths with this key
+  glm::vec3 weight;           // of each path's radiance
 };
 
-// Returns how many of the samples one of two independent halves has.
+// Returns how many of the samples belong to one of two independent halves.
 inline uint32_t samples_of_half(uint32_t samples, uint32_t half) {
   return (samples + 1 - half) / 2;
 }
 
-// Adds up what paths find.
+// Adds up the light of paths.
 struct PathSum {
   glm::vec3 radiance{0.0f};
-  glm::vec3 sky{0.0f};  // the share of paths from the eye that end there, reflected by nothing
+  glm::vec3 sky{0.0f};  // weight of primary rays that end in the sky without a reflection
 };
 
 class PathTracer {
  public:
-  // Sets what is traced until the next call; the caller keeps it. `refraction` null: nothing bends light.
+  // Sets the scene and settings until the next call; the caller keeps them alive. `refraction` null: nothing bends
+  // light.
   void begin(const ReferenceScene& scene, const RefractionScene* refraction, const EmitterSampler& emitters,
              const PathSettings& settings);
   LightWays& ways() { return ways_; }
@@ -51,10 +52,10 @@ class PathTracer {
     return scene_.environment->black() ? glm::vec3(0.0f) : scene_.environment->radiance(direction);
   }
 
-  // Adds to `sums` what lights without a size do directly at a surface that reflects, for which one ray is exact.
-  // Not where paths pass.
+  // Adds the direct light of lights without a size at a reflecting surface to `sums`, for which one ray is exact. Not
+  // for surfaces that paths pass.
   void add_exact_lights(const PathStart& start, std::span<PathSum> sums);
-  // Adds to `sums` what the paths find of everything else. The sums of both calls are the same.
+  // Adds all other light to `sums`. Both calls use the same sums.
   void trace(std::span<const PathStart> starts, std::span<PathSum> sums);
 
   uint64_t rays_reflection = 0;
@@ -64,17 +65,17 @@ class PathTracer {
   struct Path {
     LightWay way;
     uint32_t sum;
-    uint32_t set, number;  // of its points; other dimensions are derived from them
+    uint32_t set, number;  // of its point set; numbers of other dimensions are derived from them
     uint32_t key;          // of the path's own random numbers
-    uint32_t bounces;      // how many surfaces have reflected the light
+    uint32_t bounces;      // surfaces that have reflected the light
     uint32_t events;       // surfaces hit in all
-    glm::vec3 weight;      // what is made of radiance along the way
-    float usual;           // the largest channel of its weight when it set out: roulette compares with that
-    float density;         // that of the ray's direction, if what it hits is also sampled; else 0
+    glm::vec3 weight;      // of radiance found along the ray
+    float usual;           // largest channel of its initial weight, for Russian roulette
+    float density;         // of the ray's direction, if its hit may also be sampled as a light; else 0
     LitPoint from;         // origin of the ray, for the density of light samples
-    glm::vec3 bent_share;  // what of a shining surface's light counts that the ray finds once it is bent
+    glm::vec3 bent_share;  // weight of an emissive surface's light that the ray finds after it was bent
   };
-  // Says how one of the lights is sampled at a point.
+  // Says how one light is sampled at a point.
   struct LitBy {
     const ReferenceLight* light;
     LightCone cone;    // of a light with a size
@@ -121,11 +122,11 @@ class PathTracer {
   std::span<PathSum> sums_;
   std::vector<Path> paths_, next_paths_;
   std::vector<LightWay*> group_;  // scratch memory
-  // Of the point that reflects now.
+  // For the point that reflects at the moment:
   std::vector<LitBy> lit_;
-  uint32_t draws_ = 1;   // how many of the lights a path samples there
+  uint32_t draws_ = 1;   // lights sampled by a path there
   LampGuide guide_;
-  float guided_ = 0.0f;  // the share of the directions that the guide samples
+  float guided_ = 0.0f;  // share of directions from the guide
 };
 
 }  // namespace sideray::rt

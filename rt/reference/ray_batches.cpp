@@ -14,7 +14,7 @@ namespace {
 constexpr size_t rays_in_chunk = 1024;
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-// Returns where a ray goes on behind a hit: at least at the next float, so that it advances.
+// Returns where a ray continues behind a hit: at least at the next float, so that it advances.
 float behind(const Hit& hit) {
   return std::nextafter(static_cast<float>(hit.distance), infinity);
 }
@@ -43,7 +43,7 @@ sideray_hit public_hit(const model::Snapshot& snapshot, const Hit& hit) {
   return out;
 }
 
-// Traces one surface after another: of several opaque surfaces at exactly one distance the first is reported.
+// Traces one surface after another. Of several opaque surfaces at exactly one distance it reports the first.
 void trace_opaque(const model::Snapshot& snapshot, const Intersector& intersector, std::vector<Ray> rays,
                   uint32_t layers, sideray_hit* hits) {
   std::vector<Hit> found(rays.size());

@@ -7,7 +7,7 @@
 namespace sideray::rt {
 namespace {
 
-// A radius over a distance: a sphere that a point is inside of shrinks to this.
+// Largest radius as a share of the distance: a sphere around the point shrinks to it.
 constexpr float nearest_to_center = 0.999f;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Gives punctual lights their sizes: a directional one is a disc on the sky, the others are spheres. Any thread may
+// Gives punctual lights their sizes: a directional light is a disc in the sky, other lights are spheres. Any thread may
 // call it.
 #pragma once
 
@@ -14,28 +14,28 @@ struct ReferenceLight {
   float radius;          // that of the sphere; 0 = a point
   float angular_radius;  // that of the disc, radians; 0 = a direction
   bool sized() const { return radius > 0.0f || angular_radius > 0.0f; }
-  // Returns whether refracted paths hit the light often enough to estimate it: discs of 5 degrees and more.
+  // Returns whether refracted paths hit the light often enough to estimate it: true for discs of 5 degrees and more.
   bool is_wide() const { return angular_radius > 0.0436f; }
 };
 
-// Returns the lights that emit anything at all.
+// Returns the lights that emit anything.
 std::vector<ReferenceLight> reference_lights(const model::Snapshot& snapshot);
 
-// Describes a sized light as a point sees it: a cone of directions with the same radiance from all of them. The sum
-// over the cone of radiance times cosine to its axis is the irradiance that the light has without its size.
+// Describes a sized light as seen from a point: a cone of directions with constant radiance. The integral over the cone
+// of radiance times cosine to its axis is the irradiance of the light without its size.
 struct LightCone {
   glm::vec3 axis, radiance;
   float aperture;          // 1 - cos(half angle)
   float distance, radius;  // those of the sphere; radius 0 = a disc at infinity
 };
 
-// Returns the cone in which a point sees a light; radiance 0 where no light arrives.
+// Returns the cone in which a point sees a light; radiance 0 if no light arrives.
 LightCone light_cone(const ReferenceLight& light, glm::vec3 position);
 
-// Returns 1 - cos between the cone's axis and a unit direction, without cancellation where they are close.
+// Returns 1 - cos of the angle between the cone's axis and a unit direction, without cancellation for small angles.
 float below_axis(const LightCone& cone, glm::vec3 direction);
 
-// Returns the distance from the point to the light in a direction within the cone, 1 - cos to the axis being `below`.
+// Returns the distance to the light in a direction within the cone; `below` is 1 - cos of its angle to the axis.
 float distance_to_light(const LightCone& cone, float below);
 
 }  // namespace sideray::rt

@@ -10,7 +10,7 @@
 namespace sideray::rt {
 namespace {
 
-// A cosine to the eye: the visible normals are not sampled below it.
+// The cosine to the eye is at least this when visible normals are sampled.
 constexpr float least_cosine = 1e-3f;
 
 glm::vec3 to_frame(const model::Frame& frame, glm::vec3 v) {
@@ -51,7 +51,7 @@ LobeSampler::LobeSampler(const SurfacePoint& point)
   for (const float share : shares_) sum += share;
   albedo_ = sum;
   if (sum <= 0.0f) return;
-  // Every lobe that reflects at all gets at least this share, before the shares are made to add up to 1.
+  // Every reflecting lobe gets at least this share before shares are normalized.
   constexpr float least_share = 0.05f;
   float all = 0.0f;
   for (float& share : shares_) all += share = share > 0.0f ? std::max(share / sum, least_share) : 0.0f;

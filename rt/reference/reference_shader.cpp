@@ -11,12 +11,13 @@ namespace sideray::rt {
 namespace {
 
 constexpr uint32_t layers_in_reflection = 64;  // as many as one traversal holds
-// This share of the way to a light is not tested, so that rounding does not carry the ray past it.
+// Rays stop before the light by this share of the distance, so that rounding does not carry them past it.
 constexpr float short_of_light = 1e-5f;
-// A reflected ray is always traced from this share on of what an average one contributes; below, by Russian roulette.
+// A reflected ray with at least this share of an average ray's contribution is always traced; others by Russian
+// roulette.
 constexpr float worth_a_ray = 0.1f;
 
-// These are the purposes of random numbers at a point; lights count from the last one on.
+// The purposes of random numbers at a point; lights count from the last one on.
 enum Purpose : uint32_t { for_lobes, for_environment, for_reflection, for_lot, for_lights };
 
 glm::vec3 start_of_ray(const SurfacePoint& p, glm::vec3 direction) {
@@ -149,8 +150,8 @@ void ReferenceShader::sample_environment(std::span<const SurfacePoint> points, c
   }
 }
 
-// Adds the environment from a direction that either of the two strategies chose: at once for an unoccluded lobe, or by
-// a ray where the scene may be in its way.
+// Adds the environment in a direction that one of the two strategies chose: at once for an unoccluded lobe, or by a ray
+// if the scene may occlude it.
 void ReferenceShader::add_environment(const SurfacePoint& p, size_t i, glm::vec3 direction, float lobe_density,
                                       float environment_density, const Lighting& lighting, uint32_t key, Bounce& b) {
   const auto n = static_cast<float>(lighting.samples);
@@ -164,7 +165,7 @@ void ReferenceShader::add_environment(const SurfacePoint& p, size_t i, glm::vec3
   }
   const glm::vec3 glossy = r.glossy * weight;
   if (!(largest(glossy) > 0.0f)) return;
-  // Rays that can contribute little are traced by Russian roulette; those traced count for those that are not.
+  // Rays with little to contribute are traced by Russian roulette; the traced ones get the weight of the others.
   const float average = b.lobes[i].glossy_albedo() / n;
   const float mean = scene_.environment->black() ? 1.0f : std::max(scene_.environment->mean_radiance(), 1e-20f);
   const float chance = largest(glossy) * std::max(largest(radiance) / mean, 1.0f) / (worth_a_ray * average);
@@ -199,7 +200,7 @@ void ReferenceShader::end_shadow_rays(Bounce& b) {
   b.shadow_points.clear();
 }
 
-// Takes from the shadow rays what translucent surfaces on their way keep.
+// Attenuates shadow rays by translucent surfaces on their way.
 void ReferenceShader::pass_glass(Bounce& b) {
   free_.clear();
   of_free_.clear();
@@ -221,7 +222,8 @@ void ReferenceShader::end_reflections(std::span<const SurfacePoint> points, Boun
   for (size_t r = 0; r < rays_.size(); ++r) b.sums[reflections_[r].point] += reflected_[r] * reflections_[r].weight;
 }
 
-// Adds the light of second_points_ to second_.sums: direct light, and the environment, unoccluded; no further bounce.
+// Adds the light of second_points_ to second_.sums: direct light and the unoccluded environment, without further
+// bounces.
 void ReferenceShader::light_reflected(std::span<const SurfacePoint> points, bool shadows) {
   prepare(points, second_);
   for (size_t i = 0; i < points.size(); ++i) second_.sums[i] = shading::sr_emitted(points[i].surface);
@@ -253,7 +255,7 @@ void ReferenceShader::trace_opaque(std::span<const SurfacePoint> points, bool co
   for (size_t i = 0; i < second_points_.size(); ++i) reflected_[second_rays_[i]] = second_.sums[i];
 }
 
-// Composites translucent surfaces between a reflecting point and what it reflects, without shadows on them.
+// Composites translucent surfaces between a reflecting point and its reflection, without shadows on them.
 void ReferenceShader::composite_in_front(std::span<const SurfacePoint> points, bool coherent) {
   layer_hits_.resize(rays_.size() * layers_in_reflection);
   layer_counts_.resize(rays_.size());

@@ -1,6 +1,6 @@
-// Computes the light that leaves surfaces toward the viewer without the raster's shortcuts
-// (docs/adr/0006-reference.md): lights have their sizes, environment and microfacets are sampled. Holds scratch memory:
-// one object per thread.
+// Computes the light from surfaces toward the viewer without the rasterizer's approximations
+// (docs/adr/0006-reference.md): lights have their sizes, environment and microfacets are sampled. It has scratch
+// memory: one object per thread.
 #pragma once
 
 #include <vector>
@@ -14,7 +14,7 @@
 
 namespace sideray::rt {
 
-// Refers to what the reference is drawn from; the caller keeps all of it.
+// Refers to the reference's inputs, which the caller keeps alive.
 struct ReferenceScene {
   const ShadingScene* scene;
   const Intersector* intersector;
@@ -24,17 +24,17 @@ struct ReferenceScene {
 
 class ReferenceShader final : public PointShader {
  public:
-  // Sets what is shaded until the next call. `samples`: the number for each sized light, the environment and the
+  // Sets scene and options until the next call. `samples`: the number for each sized light, for the environment and for
   // microfacets; at least 1.
   void begin(const ReferenceScene& scene, uint32_t samples, bool shadows);
 
-  // The estimates are two independent halves of the samples; with one sample, the same twice. mean() makes one of them.
+  // The estimates are two independent halves of the samples; with one sample, both are equal. mean() averages them.
   uint32_t estimates() const override { return 2; }
   glm::vec3 mean(const glm::vec3* radiance) const;
 
-  // Shades translucent surfaces: what their base and coat reflect is the scene.
+  // Shades translucent surfaces; their base and coat reflect the scene.
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override { shade(points, true, radiance); }
-  // Shades opaque surfaces: all that they reflect is the environment, unoccluded.
+  // Shades opaque surfaces, which reflect only the unoccluded environment.
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override {
     shade(points, false, radiance);
   }
@@ -54,7 +54,7 @@ class ReferenceShader final : public PointShader {
     std::vector<glm::vec3> sums;     // radiance of each point
 
     std::vector<Ray> shadow_rays;
-    std::vector<glm::vec3> shadow_gains;  // what the light adds where it is not blocked
+    std::vector<glm::vec3> shadow_gains;  // unoccluded light
     std::vector<uint32_t> shadow_points;
     std::vector<uint8_t> blocked;
   };
@@ -62,7 +62,7 @@ class ReferenceShader final : public PointShader {
     uint32_t point, key;
     glm::vec3 weight;
   };
-  struct Front {  // a translucent surface before a reflection
+  struct Front {  // a translucent surface in front of a reflected one
     uint32_t ray;
     shading::SrBlend blend;
   };
@@ -90,7 +90,7 @@ class ReferenceShader final : public PointShader {
   bool shadows_ = true;
   Bounce first_, second_;
   StraightLight straight_;
-  std::vector<Ray> free_;  // shadow rays that nothing opaque stops
+  std::vector<Ray> free_;  // shadow rays without an opaque occluder
   std::vector<uint32_t> of_free_;
 
   std::vector<Ray> rays_;  // reflected rays

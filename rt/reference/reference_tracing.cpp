@@ -14,12 +14,13 @@ namespace sideray::rt {
 namespace {
 
 constexpr size_t pixels_in_chunk = 256;           // for any thread count: the same packets, the same bits
-constexpr uint32_t opaque_surface = 0xffffffffu;  // in place of a layer's number, for random numbers
+constexpr uint32_t opaque_surface = 0xffffffffu;  // replaces the layer's index in random numbers
 constexpr float infinity = std::numeric_limits<float>::infinity();
-// A translucent surface this share of the distance before an opaque one lies on it, as in ViewRays::end_of_ray.
+// A translucent surface less than this share of the distance in front of an opaque one counts as lying on it, as in
+// ViewRays::end_of_ray.
 constexpr float on_surface = 0x1p-21f;
 
-// Adds up a chunk's layers.
+// Adds up the layers of a chunk.
 class ReferenceSink final : public LayerSink {
  public:
   explicit ReferenceSink(std::vector<ReferenceWorker::Pixel>& pixels) : pixels_(pixels) {}
@@ -40,7 +41,7 @@ class ReferenceSink final : public LayerSink {
   std::vector<ReferenceWorker::Pixel>& pixels_;
 };
 
-// Draws one sample position.
+// Traces one sample position.
 class Pass {
  public:
   Pass(const ReferenceRequest& request, const ReferenceScene& scene, const RefractionScene* refraction,
@@ -65,7 +66,7 @@ class Pass {
     if (distorts(*scene.scene->snapshot)) opaque_.resize(ends_.size()), offsets_.resize(ends_.size());
   }
 
-  // Returns whether something distorts: then all of the opaque picture is traced first, with the offset of each pixel.
+  // Returns whether anything distorts. Then the whole opaque picture is traced first, with each pixel's offset.
   bool distorts_picture() const { return !opaque_.empty(); }
   void trace_distortion(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
     w.sums.assign(pixels.size(), {});
@@ -99,7 +100,7 @@ class Pass {
   }
 
  private:
-  // Fills hits, and the background behind translucent surfaces where that is the sky.
+  // Fills hits, and the background where translucent surfaces are in front of the sky.
   void trace_opaque(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
     w.rays.clear();
     for (const PixelRequest& p : pixels) w.rays.push_back(view_.ray(p.x, p.y));
@@ -140,7 +141,7 @@ class Pass {
     w.radiance.resize(2 * w.points.size());
     PointShader& shader = *w.shader;
     const uint64_t reflections = shader.rays_reflection, shadows = shader.rays_shadow;
-    // What is seen straight from the eye is in the media that the eye is in.
+    // Primary hits are in the media around the eye.
     w.media.assign(w.points.size(), refraction_.at_eye);
     shader.within(w.media.data());
     if (request_.reflections)
@@ -178,7 +179,7 @@ class Pass {
     }
   }
 
-  // Lights what the eye sees by paths, except the opaque picture where it is distorted.
+  // Lights primary hits by paths, except the opaque picture if it is distorted.
   void trace_paths(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
     if (position_ == 0 && request_.surfaces && !distorts_picture()) make_points(pixels, w);
     w.eye_rays.clear();
@@ -203,8 +204,8 @@ class Pass {
     }
   }
 
-  // Returns the cone at which textures are read. Paths see the pixel by all positions together, and each by its share of
-  // it alone: leaves that are cut out of coarse texels grow, and textures blur.
+  // Returns the cone for textures. With paths, all positions together cover the pixel, so each uses only its share of
+  // it: otherwise cut-out leaves with coarse texels would grow, and textures blur.
   Cone cone_at(uint32_t x, uint32_t y) const {
     const Cone cone = view_.cone(x, y);
     if (request_.bounces == 1) return cone;
@@ -237,11 +238,11 @@ class Pass {
   ReferenceImage& image_;
   ViewRays view_;
   std::vector<float> ends_;          // ends of the rays for layers, one a texel
-  std::vector<OpaqueTexel> opaque_;  // only where something distorts, as offsets_
+  std::vector<OpaqueTexel> opaque_;  // set only if something distorts, like offsets_
   std::vector<PixelOffset> offsets_;
   LayerRequest layers_;
   FrameContext context_{};
-  RefractionContext refraction_{};  // has no scene where nothing is refracted
+  RefractionContext refraction_{};  // has no scene if nothing is refracted
 };
 
 void clear(const ReferenceRequest& request, ReferenceImage& image) {
@@ -297,7 +298,7 @@ ReferenceScene ReferenceTracing::reference_scene(TracedScene& scene) {
 Counters ReferenceTracing::trace(const ReferenceRequest& request, TracedScene& scene, ReferenceImage& image) {
   if (request.views.empty() || request.light_samples == 0)
     fail(SIDERAY_INVALID_ARGUMENT, "reference: no view or no light samples; give at least one of each");
-  // Sample positions move the picture's window, not the eye or its axes.
+  // Sample positions shift the picture's window, not the eye or its axes.
   scene.place_sprites(request.views.front(), request.height);
   const ReferenceScene reference = reference_scene(scene);
   const RefractionScene* refraction = refracted(reference, request.refraction);

@@ -1,5 +1,5 @@
-// Traces whole pictures by rays: what every other way of drawing is compared with. Keeps its memory from picture to
-// picture. One call at a time.
+// Traces whole pictures by rays, which all other ways of drawing are compared with. It reuses its memory between
+// pictures. One call at a time.
 #pragma once
 
 #include "rt/base/counters.h"
@@ -14,20 +14,20 @@
 
 namespace sideray::rt {
 
-// Says how the light that leaves surfaces is computed.
+// Says how light from surfaces is computed.
 struct ReferenceLighting {
   uint32_t light_samples, bounces;  // as in ReferenceRequest
   bool shadows, refraction, caustics;
 };
 
-// Memory of one thread.
+// Is the scratch memory of one thread.
 struct ReferenceWorker {
   LayerTracer layers;
   RefractionTracer refraction;
   ReferenceShader direct;
   PathShader paths;
   EyePaths eye;
-  PointShader* shader = &direct;  // the one that shades now
+  PointShader* shader = &direct;  // the shader in use
   Counters counters;
 
   void begin(const ReferenceScene& scene, const RefractionScene* refracted, const EmitterSampler& emitters,
@@ -38,14 +38,15 @@ struct ReferenceWorker {
   std::vector<Hit> hits;
   std::vector<SurfacePoint> points;
   std::vector<MediumStack> media;      // one a point
-  std::vector<uint32_t> point_pixels;  // which of the pixels a point belongs to
+  std::vector<uint32_t> point_pixels;  // the pixel of each point
   std::vector<glm::vec3> radiance;
 
-  // A pixel of the chunk: both estimates of what is behind the translucent surfaces, and of what they add.
+  // For a pixel of the chunk: both estimates of the light behind the translucent surfaces, and of the light that these
+  // add.
   struct Pixel {
     glm::vec3 background[2], radiance[2], transmittance;
     float coverage;  // of the background: 0 = sky
-    glm::vec3 sky;   // transmittance to it along bent rays, whose radiance includes it
+    glm::vec3 sky;   // transmittance to the sky along bent rays, whose radiance includes the sky
   };
   std::vector<Pixel> sums;
   std::vector<RefractedPixel> refracted_pixels;
@@ -57,9 +58,9 @@ class ReferenceTracing {
  public:
   explicit ReferenceTracing(uint32_t threads) : workers_(threads) {}
 
-  // Refills `image`. Where the request is cancelled, it is unfinished. Throws Failure.
+  // Refills `image`, which is unfinished if the request is cancelled. Throws Failure.
   Counters trace(const ReferenceRequest& request, TracedScene& scene, ReferenceImage& image);
-  // For a frame with surfaces shaded as in the reference; valid until the next call.
+  // Returns shaders for a frame whose surfaces are shaded as in the reference; valid until the next call.
   ShaderSource& shaders(TracedScene& scene, const ReferenceLighting& lighting);
 
  private:
@@ -78,7 +79,7 @@ class ReferenceTracing {
   };
   ReferenceScene reference_scene(TracedScene& scene);
   const RefractionScene* refracted(const ReferenceScene& scene, bool refraction);
-  // Returns what shines, where paths are going to be traced.
+  // Returns the emissive surfaces, if paths are traced.
   const EmitterSampler& emitters(const ReferenceScene& scene, uint32_t bounces);
 
   std::vector<ReferenceWorker> workers_;

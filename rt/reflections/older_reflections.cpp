@@ -36,7 +36,7 @@ void OlderReflections::begin(const ReflectionRequest& r, TracedScene& scene, Ref
   committed_ = std::move(committed);
 }
 
-// Calls work(x, y, pixels) for the rows of a tile.
+// Calls work(x, y, pixel count) for each row of a tile.
 template <typename Work>
 void OlderReflections::for_rows(size_t tile, const Work& work) const {
   const uint32_t columns = tile_count(width_);

@@ -1,6 +1,6 @@
-// The history of reflections, for tiles that have no turn: filtered reflections are reprojected with their surface, and
-// the least recently traced tile comes first in the next frame. One object a sequence. One thread calls it, except
-// functions of one tile, which several threads may call for different tiles.
+// Holds the history of reflections, for skipped tiles: filtered reflections are reprojected with their surface, and the
+// least recently traced tile comes first in the next frame. One object a sequence. One thread calls it, but several
+// threads may call the functions of one tile for different tiles.
 #pragma once
 
 #include <cstdint>
@@ -17,25 +17,25 @@ namespace sideray::rt {
 
 class OlderReflections {
  public:
-  // History expires after this many frames: mirror images move otherwise than their surfaces.
+  // History expires after this many frames, because reflections move differently from their surfaces.
   static constexpr uint8_t oldest = 60;
-  static constexpr uint8_t no_answer = 255;  // in place of an age
+  static constexpr uint8_t no_answer = 255;  // instead of an age
 
-  // Begins a frame that may have no time for all tiles, and whose image is to be filled. A frame that does not
-  // continue, and other lights, surroundings, materials or options, reset the history.
+  // Begins a frame that may skip tiles, and whose image is to be filled. A frame that does not continue the sequence
+  // resets the history, and so do other lights, environments, materials or options.
   void begin(const ReflectionRequest& request, TracedScene& scene, ReflectionImage& image);
   // Resets the history.
   void forget() { known_ = false; }
 
-  // In which frame each tile had its turn, 0 = never.
+  // Returns the frame that last traced each tile, 0 = none.
   const std::vector<uint32_t>& turns() const { return turns_; }
-  // Returns of each pixel what OlderMasks::answers() does.
+  // Returns the age of each pixel's reflection, encoded as by OlderMasks::answers().
   std::vector<uint8_t> answers() const;
-  // Call when a tile is traced: it was cleared before.
+  // Notes that a tile, which was cleared before, was traced.
   void traced(size_t tile);
-  // Fills a tile with its history, empty where there is none; counts its pixels that mirror anything.
+  // Fills a skipped tile with its history, empty without one; counts its reflecting pixels.
   void leave(const ReflectionRequest& request, size_t tile, ReflectionImage& image, Counters& counters);
-  // Call after one of these was called for each tile.
+  // Ends the frame, after traced() or leave() was called for each tile.
   void end() { known_ = true; }
 
  private:
@@ -44,7 +44,7 @@ class OlderReflections {
   template <typename Work>
   void for_rows(size_t tile, const Work& work) const;
 
-  bool known_ = false, moves_ = false;  // the last frame's image; it is moved into this one
+  bool known_ = false, moves_ = false;  // the last frame's image is complete; it is reprojected into this one
   uint32_t width_ = 0, height_ = 0, number_ = 0;
   float max_roughness_ = 0.0f;
   bool shadows_ = false, light_bounces_ = false, denoise_ = false;

@@ -1,5 +1,5 @@
-// A request for what glossy opaque pixels mirror, and the image that answers it. Plain values; any thread. Pixels: row
-// 0 is the bottom row.
+// Requests reflections of glossy opaque pixels, and holds their image. Plain values; any thread. Row 0 of pixels is the
+// bottom row.
 #pragma once
 
 #include <cstddef>
@@ -14,9 +14,9 @@ namespace sideray::rt {
 
 class OlderReflections;
 
-// Shading normals in world space, and the perceptual roughness; 0 where there is no surface: four floats a pixel, or four
-// halfs, as the host's texture has them. Drivers that are asked for another format than the texture's convert it on the CPU
-// while the host's thread waits: 45 ms for 1920x1080 (NVIDIA 580).
+// Holds world-space shading normals and perceptual roughness, 0 without a surface: four floats or four halfs a pixel,
+// in the format of the host's texture. If asked for another format, drivers convert it on the CPU while the host's
+// thread waits: 45 ms for 1920x1080 (NVIDIA 580).
 class NormalTexels {
  public:
   NormalTexels() = default;
@@ -35,18 +35,18 @@ class NormalTexels {
   bool are_halfs_ = false;
 };
 
-// Requests what glossy opaque surfaces mirror.
+// Requests reflections of glossy opaque surfaces.
 struct ReflectionRequest : LightRequest {
   NormalTexels normals{};
   float max_roughness = 0.0f;         // rougher pixels are not traced
-  float error = 0.0f;                 // as LayerRequest::ray_reuse, for lights that are drawn by chance
+  float error = 0.0f;                 // as LayerRequest::ray_reuse, for sampled lights
   bool light_bounces = false;         // as LayerRequest::light_bounces
-  OlderReflections* older = nullptr;  // of the sequence: what tiles without a turn show; null: they are not traced
+  OlderReflections* older = nullptr;  // of the sequence: skipped tiles show history; null: they have none
 };
 
 struct ReflectionImage {
   uint32_t width = 0, height = 0;
-  std::vector<uint16_t> radiance;  // four halfs a texel; alpha: its share beside the prefiltered environment's
+  std::vector<uint16_t> radiance;  // four halfs a texel; alpha: weight against the prefiltered environment
   bool changed = true;             // by the last trace
 };
 

@@ -23,10 +23,10 @@ namespace {
 
 constexpr uint32_t tile_size = DepthPoints::tile_size;
 constexpr uint32_t point_purpose = 51;
-constexpr uint32_t read_around = 1;  // tiles that the filter reads beside one
-// Cosine between the depth's normal and the shading normal: below it the former is an edge's.
+constexpr uint32_t read_around = 1;  // tiles that the filter reads around one
+// Cosine between the depth's normal and the shading normal: below it, the depth's normal belongs to an edge.
 constexpr float least_likeness = 0.3f;
-// The floor of roughness, at which surfaces are mirrors, and what halfs make of it.
+// The roughness at which surfaces are mirrors, and its value after conversion from halfs.
 constexpr float floor_of_roughness = 0.04f, mirror_roughness = 0.0401f;
 
 static_assert(tile_size == LayerCache::tile_size);  // of tile_count()
@@ -62,8 +62,8 @@ SurfacePoint surface_of(const ReflectionRequest& r, const ViewRays& view, const 
   s.to_eye = -ray.direction;
   s.surface.normal = shading::sr_toward_eye(glm::normalize(glm::vec3(normal)), s.to_eye);
   s.position = p.front + s.surface.normal * p.skip;
-  // Where few pixels show the surface, or an edge runs through them, the depth gives no reliable normal: mirror
-  // directions of a grazing surface would be lifted into the sky.
+  // If few pixels show the surface, or an edge runs through them, the depth gives no reliable normal: it would lift
+  // mirror directions of a grazing surface into the sky.
   const bool is_edge = p.skip > 0.0f || glm::dot(p.normal, s.surface.normal) < least_likeness;
   s.geometric_normal = is_edge ? s.surface.normal : p.normal;
   s.surface.roughness = normal.w <= mirror_roughness ? floor_of_roughness : normal.w;
@@ -72,8 +72,8 @@ SurfacePoint surface_of(const ReflectionRequest& r, const ViewRays& view, const 
   return s;
 }
 
-// Returns whether the lobes around are similar, so that the filter can average single directions toward the
-// surroundings. On a bumpy surface few are.
+// Returns whether the lobes around are similar, so that the filter can average single directions into the lobe's light.
+// On a bumpy surface few are.
 bool is_among_its_like(const ReflectionRequest& r, size_t texel) {
   const auto x = static_cast<int64_t>(texel % r.width), y = static_cast<int64_t>(texel / r.width);
   const glm::vec4 own = r.normals[texel];
@@ -136,7 +136,7 @@ struct ReflectionTracing::Worker {
   Counters counters;
 };
 
-// False where no pixel of the tile mirrors anything.
+// Returns false if no pixel of the tile reflects.
 bool ReflectionTracing::gather(const Tile& tile, Worker& w) {
   const ReflectionRequest& r = *tile.request;
   const auto share = [&](uint32_t x, uint32_t y) {
@@ -162,7 +162,7 @@ bool ReflectionTracing::gather(const Tile& tile, Worker& w) {
   return !w.points.empty();
 }
 
-// Fills radiance and, if rough lobes are separate, rough.
+// Fills radiance, and rough if rough lobes are filtered.
 TraceEnd ReflectionTracing::reflect(const Tile& tile, Worker& w) {
   const ReflectionRequest& r = *tile.request;
   const bool by_host = tile.scene->snapshot->shader.shade != nullptr;
@@ -197,7 +197,7 @@ void ReflectionTracing::trace_tile(const Tile& tile, Worker& w, ReflectionImage&
       rough.radiance = w.radiance[i];
       rough.is_sampled = false;
     }
-    // Surfaces are distinguished by place and normal: the depth buffer has no ids.
+    // Surfaces are distinguished by position and normal, because the depth buffer has no ids.
     filter_.chunk(tile.index).add(w.texels[i], w.texels[i], 1, w.points[i], w.radiance[i], rough);
   }
 }
@@ -270,7 +270,7 @@ Counters ReflectionTracing::trace_tiles(const ReflectionRequest& r, TracedScene&
 }
 
 void ReflectionTracing::filter(const ReflectionRequest& r, Executor& executor, ReflectionImage& image) {
-  LayerCache cache;  // of one layer, as the filter takes it
+  LayerCache cache;  // of one layer, in the filter's format
   cache.width = r.width;
   cache.height = r.height;
   cache.layers = 1;

@@ -1,5 +1,5 @@
-// Traces what glossy opaque surfaces of a frame mirror, by rays from the depth buffer: one a pixel, and a filter over the
-// pixels of a surface where it is rough. Keeps its memory from frame to frame. One call at a time. Pixels: row 0 is the
+// Traces reflections of glossy opaque surfaces in a frame, by rays from the depth buffer: one a pixel, filtered over
+// neighbouring pixels of a rough surface. It reuses its memory every frame. One call at a time. Row 0 of pixels is the
 // bottom row.
 #pragma once
 
@@ -15,15 +15,15 @@
 
 namespace sideray::rt {
 
-// Weight of the traced radiance against the prefiltered environment: 1 up to two thirds of the largest traced
-// roughness, then falling to 0, so that no edge shows where tracing ends.
+// Returns the weight of traced radiance against the prefiltered environment: 1 up to two thirds of max_roughness, then
+// falling to 0, so that no edge shows where tracing ends.
 float reflection_share(float roughness, float max_roughness);
 
 class ReflectionTracing {
  public:
   explicit ReflectionTracing(uint32_t threads);
   ~ReflectionTracing();
-  // Throws Failure.
+  // Traces `request` into `image`. Throws Failure.
   Counters trace(const ReflectionRequest& request, TracedScene& scene, ReflectionImage& image);
 
  private:

@@ -21,7 +21,7 @@ void RefractingSink::begin(std::span<const PixelRequest> pixels) {
 bool RefractingSink::meet(uint32_t pixel, const SurfacePoint& point, const RayHit& met, glm::vec3& weight) {
   const bool wanted = straight_.meet(pixel, point, met, weight);
   if (!bends(met.hit)) return wanted;
-  // Where the eye is inside a medium, the surface is seen from behind: refracted rays compute what it reflects.
+  // If the eye is inside a medium, the surface is seen from behind, and refracted rays compute its reflection.
   const bool is_lit = wanted && context_.at_eye.empty();
   scratch_.bend_of[pixel] = static_cast<uint32_t>(scratch_.bends.size());
   const LayerRequest& request = *context_.frame->request;

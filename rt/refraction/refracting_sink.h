@@ -1,6 +1,7 @@
-// Resolves layers of surfaces that bend light: between a tracer of straight rays, which end there, and the sink that
-// stores layers. What is seen through such a surface is found along refracted rays once the chunk's other layers are
-// shaded, and becomes part of its layer, which then hides all behind it. A sink belongs to one thread and one chunk.
+// Resolves layers of surfaces that bend light. It is between a tracer of straight rays, which end there, and the sink
+// that stores layers. Light behind such a surface is found along refracted rays after the chunk's other layers are
+// shaded, and becomes part of its layer, which then hides everything behind it. A sink belongs to one thread and one
+// chunk.
 #pragma once
 
 #include <cstdint>
@@ -13,16 +14,16 @@
 
 namespace sideray::rt {
 
-// Keeps a thread's memory from chunk to chunk.
+// Keeps a thread's memory between chunks.
 struct RefractingScratch {
   static constexpr uint32_t none = 0xffffffffu;
-  // The part of a refracting surface's layer that straight rays compute.
+  // Holds the part of a refracting surface's layer that straight rays compute.
   struct Layer {
     uint32_t pixel;
     float cover;
     uint32_t layer = none;
     uint32_t rough = none;  // index of its rough reflection
-    uint32_t point = none;  // index of the surface, where what is seen through it may be blurred
+    uint32_t point = none;  // index of the surface, if the light behind it may be blurred
     glm::vec3 radiance{0.0f}, weight{0.0f};
   };
   struct Rough {
@@ -32,16 +33,16 @@ struct RefractingScratch {
 
   RefractionTracer tracer;
   std::vector<FirstBend> bends;
-  std::vector<Layer> layers;  // of bends
+  std::vector<Layer> layers;  // of bends[]
   std::vector<Rough> rough;
   std::vector<SurfacePoint> points;
-  std::vector<uint32_t> bend_of;  // of each pixel: index of its bend, or none
+  std::vector<uint32_t> bend_of;  // by pixel: index of its bend, or none
   std::vector<RefractedPixel> seen;
 };
 
 class RefractingSink final : public LayerSink {
  public:
-  // All outlive the sink. `context` is that of refracted rays; `counters` receives their work.
+  // The arguments must outlive the sink. `context` is for refracted rays; `counters` receives their work.
   RefractingSink(LayerSink& straight, const RefractionContext& context, PointShader& shader, RefractingScratch& scratch,
                  Counters& counters)
       : straight_(straight), context_(context), shader_(shader), scratch_(scratch), counters_(counters) {}

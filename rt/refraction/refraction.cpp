@@ -12,8 +12,8 @@ namespace {
 
 constexpr float smooth_roughness = 0.04f;
 
-// Returns the direction in which a facet lets light through. The BTDF of a thin wall, which refracts twice, is its lobe
-// of reflection on the other side (KHR_materials_transmission).
+// Returns the direction in which a facet transmits light. A thin wall refracts twice; its transmission lobe is its
+// reflection lobe on the other side (KHR_materials_transmission).
 Bend through_facet(const SurfacePoint& point, glm::vec3 facet, const Crossing& crossing) {
   if (crossing.ior_from != crossing.ior_to) return bend(point.to_eye, facet, crossing.ior_from, crossing.ior_to);
   const glm::vec3 mirrored = facet * (2.0f * glm::dot(facet, point.to_eye)) - point.to_eye;

@@ -13,7 +13,7 @@ namespace sideray::rt {
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
-// Paths end below these shares of light: as in the composite, and for exact pictures.
+// Paths end below these transmittances, in composites and in references.
 constexpr float least_transmittance = 1e-4f, least_exact_transmittance = 1e-6f;
 // Separates the random numbers of scattering from others of the same key.
 constexpr uint32_t scatter_purpose = 0x5ca77e2u, dispersion_purpose = 0xd15be25eu;
@@ -97,7 +97,7 @@ void RefractionTracer::begin(const RefractionContext& context, PointShader& shad
   path_surfaces_ = nullptr;
   kernels_ = &shade_kernels(context.frame->intersector->isa().c_str());
   reuse_.begin(0.0f);
-  // They may hold entries of a cancelled trace.
+  // A cancelled trace may have left entries.
   points_.clear();
   media_.clear();
   shares_.clear();
@@ -114,7 +114,7 @@ TraceEnd RefractionTracer::run() {
   return shader_->end;
 }
 
-// Takes every active path one surface further.
+// Advances every active path by one surface.
 void RefractionTracer::advance_all() {
   find_next();
   next_active_.clear();
@@ -122,7 +122,7 @@ void RefractionTracer::advance_all() {
   std::swap(active_, next_active_);
 }
 
-// Makes a path anew, as the eye sends it out.
+// Resets a path to its primary ray.
 RefractionTracer::Path& RefractionTracer::path_from_eye(uint32_t i, uint32_t key, const Ray& ray, Cone cone) {
   Path& path = paths_[i];
   path = {};
@@ -155,7 +155,7 @@ void RefractionTracer::start(std::span<const FirstBend> bends) {
   active_.clear();
   next_active_.clear();
   const auto is_donor = [&](uint32_t path) { return bends[paths_[path].pixel].pixel.is_donor(); };
-  std::vector<uint32_t>& order = group_;  // donors come first, as their points do
+  std::vector<uint32_t>& order = group_;  // donors come first, and so do their points
   order.resize(bends.size());
   std::iota(order.begin(), order.end(), 0u);
   std::stable_partition(order.begin(), order.end(), is_donor);
@@ -184,8 +184,8 @@ void RefractionTracer::start(std::span<const PixelRequest> pixels) {
   }
 }
 
-// Finds the next surface of every active path that counts, or its end. Paths need different numbers of traversals for it, but
-// all cross their surface in the same round: rays are reused there.
+// Finds for every active path the next surface that counts, or the path's end. This takes a different number of
+// traversals for each, but all paths cross their surface in the same round, so that they can share rays.
 void RefractionTracer::find_next() {
   made_count_ = 0;
   pending_ = active_;
@@ -211,8 +211,8 @@ RefractionTracer::Search RefractionTracer::next_search(const Path& path) const {
   return path.refracted && path.ahead.last.instance == no_instance && !path.ahead.deep ? Search::place : Search::rest;
 }
 
-// Returns whether the ray's end is needed before its next surface is made: sprites fade toward what is opaque behind
-// them.
+// Returns whether the ray's end is needed before its next surface is made, because sprites fade in front of opaque
+// surfaces.
 bool RefractionTracer::wants_end(const Path& path) const {
   const std::vector<model::Instance>& instances = context_->scene->surfaces.snapshot->instances;
   const Hit* hits = path.ahead.hits;
@@ -220,13 +220,13 @@ bool RefractionTracer::wants_end(const Path& path) const {
          std::any_of(hits, hits + path.ahead.count, [&](const Hit& h) { return instances[h.instance].sprites != 0; });
 }
 
-// Returns whether it matters where the path's medium ends.
+// Returns whether the end of the path's medium is needed.
 bool RefractionTracer::absorbs(const Path& path) const {
   return !path_ends_ && !path.media.empty() &&
          context_->scene->medium(path.media.top()).absorption != glm::vec3(0.0f);
 }
 
-// Returns the cone at which textures' alpha is read along all paths.
+// Returns the cone for the alpha of all paths.
 Cone RefractionTracer::common_cone() const {
   const FrameContext& frame = *context_->frame;
   return frame.view->cone(frame.request->width / 2, frame.request->height / 2);
@@ -256,8 +256,8 @@ void RefractionTracer::find_places() {
   }
 }
 
-// Finds the opaque surfaces at which refracted rays end, up to the translucent ones found before. Bent or not, they are
-// rays of the eye and pass backs of materials that are not double sided.
+// Finds the opaque ends of refracted rays, up to the translucent surfaces found before. Refracted or not, they are
+// primary rays and pass backs of materials that are not double sided.
 void RefractionTracer::find_opaque() {
   rays_.clear();
   group_.clear();
@@ -265,7 +265,7 @@ void RefractionTracer::find_opaque() {
     Path& path = paths_[i];
     if (path.search == Search::nothing || path.clear == farthest) continue;
     Ray ray = path.ray;
-    ray.t_near = path.clear;  // at first 0, from before the surface: another may lie on it
+    ray.t_near = path.clear;  // initially 0, in front of the surface, because another may lie on it
     if (path.search == Search::place && !path.ahead.complete())
       ray.t_far = static_cast<float>(path.ahead.known) * (1.0f + 2.0f * on_opaque_surface);
     path.clear = ray.t_far;
@@ -320,13 +320,13 @@ void RefractionTracer::traverse_group(uint32_t layers, bool cull) {
   }
 }
 
-// Makes the surfaces of places_, from made_[first] on.
+// Makes the surfaces of places_ in made_, from index `first` on.
 void RefractionTracer::make_surfaces(size_t first) {
   if (made_.size() < first + places_.size()) made_.resize(first + places_.size());
   rt::make_surfaces(context_->scene->surfaces, *kernels_, places_, made_.data() + first);
 }
 
-// Makes all surfaces that paths hit next at once: most of them are crossed.
+// Makes all surfaces that paths hit next at once, because most of them are crossed.
 void RefractionTracer::make_next_surfaces() {
   places_.clear();
   const size_t first = made_count_;
@@ -339,13 +339,12 @@ void RefractionTracer::make_next_surfaces() {
   make_surfaces(first);
 }
 
-// Takes the next surface that counts from those ahead. Returns false if that is undecided yet, and sets what has to be
-// searched.
+// Sets the next surface ahead that counts. Returns false if it is not known yet, and sets what must be searched.
 bool RefractionTracer::settle(Path& path) const {
   if (path.met >= path.wanted) return find_way_out(path);
   path.search = Search::nothing;
   while (path.ahead.count > 0) {
-    if (path.surface == none) {  // it has to be made
+    if (path.surface == none) {  // it must be made
       if (wants_end(path)) path.search = Search::opaque;
       return false;
     }
@@ -362,7 +361,7 @@ bool RefractionTracer::settle(Path& path) const {
   return path.search == Search::nothing;
 }
 
-// Finds where the medium ends that the path is in behind the last surface that counts.
+// Finds the end of the path's medium behind the last surface that counts.
 bool RefractionTracer::find_way_out(Path& path) const {
   if (!absorbs(path)) return true;
   while (path.ahead.count > 0) {
@@ -376,7 +375,7 @@ bool RefractionTracer::find_way_out(Path& path) const {
   return path.ahead.complete();
 }
 
-// Takes the next of the hits ahead.
+// Removes the next hit from those ahead.
 void RefractionTracer::take_next(Path& path) const {
   const RefractionScene& scene = *context_->scene;
   const auto exits = [&](const Hit& h) {
@@ -389,7 +388,7 @@ void RefractionTracer::take_next(Path& path) const {
   if (chosen != 0) path.surface = none;
 }
 
-// Returns whether anything is there for the path, and otherwise takes it across.
+// Returns whether the hit counts for the path; if it does not, updates the path's media.
 bool RefractionTracer::counts(Path& path, const Hit& hit) const {
   const RefractionScene& scene = *context_->scene;
   const model::Snapshot& snapshot = *scene.surfaces.snapshot;
@@ -411,7 +410,7 @@ void RefractionTracer::advance(uint32_t i) {
   const uint32_t surface = paths_[i].surface;
   meets(i, hit, surface == none ? nullptr : &made_[surface]);
   Path& path = paths_[i];
-  // From here on backs count too.
+  // From here on back faces count too.
   if (!path.refracted && !saw_culled && sees_culled(path)) path.ahead.forget_behind(hit, path.ray);
   if (!finished(path))
     next_active_.push_back(i);
@@ -419,8 +418,8 @@ void RefractionTracer::advance(uint32_t i) {
     (*result_)[path.pixel].transmittance = path.through;
 }
 
-// Takes the path across a surface that it hit; returns false if the medium is the same on both sides.
-// `is_lit`: the light that leaves the surface itself has been added already.
+// Handles a surface that the path hit; returns false if the medium is the same on both sides. `is_lit`: the light of
+// the surface itself has already been added.
 bool RefractionTracer::meets(uint32_t i, const Hit& hit, SurfacePoint* surface, bool is_lit) {
   const RefractionScene& scene = *context_->scene;
   const bool volume = scene.medium(hit.instance).volume;
@@ -451,7 +450,7 @@ bool RefractionTracer::meets(uint32_t i, const Hit& hit, SurfacePoint* surface, 
   return true;
 }
 
-// Sends the path into a volume or out of it, unless the surface reflects all.
+// Takes the path into a volume or out of it, unless the surface reflects totally.
 void RefractionTracer::pass(uint32_t i, const Hit& hit, SurfacePoint& point, const Crossing& crossing,
                             const MediumStack& behind, bool is_lit) {
   Path& path = paths_[i];
@@ -471,8 +470,8 @@ void RefractionTracer::pass(uint32_t i, const Hit& hit, SurfacePoint& point, con
     redirect(path, point, b.direction, true);
 }
 
-// Splits the path in three, one a channel: what KHR_materials_dispersion gives are the indices of these three, so that no
-// wavelengths between them are left to chance, and a frame has no noise by them. From here on each goes its own way.
+// Splits the path into three, one a channel. KHR_materials_dispersion gives the indices of these three, so wavelengths
+// need not be sampled, and a frame has no noise from them. From here on each path is followed separately.
 void RefractionTracer::disperse(uint32_t i, const SurfacePoint& point, const Hit& hit, const MediumStack& before) {
   const Path whole = paths_[i];
   for (const Light light : {Light::red, Light::green, Light::blue}) {
@@ -494,8 +493,9 @@ void RefractionTracer::disperse(uint32_t i, const SurfacePoint& point, const Hit
   }
 }
 
-// Tells how widely the first rough surface on a way scatters. A facet that is tilted by an angle turns a mirrored ray by
-// twice that, one that is refracted into a body and out of it again by n - 1 times that, at each of the two surfaces.
+// Stores how widely the first rough surface on a path scatters. A facet tilted by an angle turns a mirrored ray by
+// twice that angle; a ray refracted into a body and out of it turns by n - 1 times the angle at each of the two
+// surfaces.
 void RefractionTracer::widen(const Path& path, const SurfacePoint& point, const Crossing& crossing) {
   RefractedPixel& pixel = (*result_)[path.pixel];
   if (pixel.roughness > 0.0f) return;
@@ -504,8 +504,8 @@ void RefractionTracer::widen(const Path& path, const SurfacePoint& point, const 
   pixel.spread = ratio == 1.0f ? 1.0f : std::min(0.7f * std::abs(ratio - 1.0f), 1.0f);
 }
 
-// Continues the path in a random direction in which the microfacets refract it. A path of a reference that has not been
-// split yet is split into several.
+// Continues the path in a random direction of microfacet refraction. A path of a reference that has not been split yet
+// is split into several.
 void RefractionTracer::scatter(uint32_t i, const SurfacePoint& point, const Crossing& crossing) {
   const bool splits = context_->exact && paths_[i].estimate == both_estimates;
   const Path whole = paths_[i];
@@ -549,7 +549,7 @@ void RefractionTracer::blend(Path& path, const SurfacePoint& point, bool is_lit)
   if (b.cover > 0.0f && !is_lit) {
     points_.push_back(point);
     const bool is_sprite = context_->scene->surfaces.snapshot->instances[point.hit.instance].sprites != 0;
-    points_.back().weight = largest(path.through) * (is_sprite ? 1.0f : b.cover);  // as LayerTracer has it
+    points_.back().weight = largest(path.through) * (is_sprite ? 1.0f : b.cover);  // as in LayerTracer
     media_.push_back(path.media);
     shares_.push_back({path.pixel, path.estimate, path.through * b.cover});
   }
@@ -606,7 +606,7 @@ void RefractionTracer::shade_events() {
   add_points();
 }
 
-// Shades what refracted rays see behind everything translucent.
+// Shades the opaque ends of refracted rays.
 void RefractionTracer::shade_ends() {
   places_.clear();
   for (const uint32_t i : ends_) {

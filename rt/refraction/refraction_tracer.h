@@ -1,5 +1,5 @@
-// Follows the rays of a chunk of pixels through everything translucent, refracted by solids, and adds up what they see:
-// rounds of one surface a path, traversed and shaded in batches. Holds scratch memory: one object per thread.
+// Follows the rays of a chunk of pixels through translucent surfaces, refracted by solids, and adds up their light, in
+// rounds of one surface a path that are traversed and shaded in batches. It has scratch memory: one object per thread.
 #pragma once
 
 #include <cstdint>
@@ -17,11 +17,11 @@ namespace sideray::rt {
 
 struct RefractedPixel {
   glm::vec3 radiance[2];    // as many estimates as the shader makes
-  glm::vec3 transmittance;  // transmittance to what stands behind the ray that is not refracted
-  glm::vec3 sky;            // transmittance of refracted rays to the surroundings, which radiance holds already
-  // For the filter, if rough surfaces scattered the ray, each in one random direction: the perceptual roughness of the
-  // first one (0: none was rough); the width of its transmitted lobe relative to its mirror lobe; and 1 / length of the
-  // path to what is seen (0: the environment).
+  glm::vec3 transmittance;  // to the background along the unrefracted ray
+  glm::vec3 sky;            // transmittance of refracted rays to the surroundings, which radiance includes
+  // For the filter, if rough surfaces scattered the ray, each in one random direction: perceptual roughness of the
+  // first one (0: none was rough); width of its transmission lobe relative to its reflection lobe; 1 / length of the
+  // path to the visible surface (0: the environment).
   float roughness, spread, nearness;
 };
 
@@ -30,80 +30,80 @@ struct RefractionContext {
   const FrameContext* frame;
   const RefractionScene* scene;
   MediumStack at_eye;  // media at the eye of a perspective view
-  bool exact;  // many directions leave a rough surface, and rays continue to the last visible surface
+  bool exact;  // rough surfaces split rays into many directions, and rays continue to the last visible surface
 };
 
 RefractionContext refraction_context(const FrameContext& frame, const RefractionScene& scene, bool exact);
 
-// Returns the solids that a point is in, the innermost on top.
+// Returns the solids around a point, the innermost on top.
 MediumStack media_at(const RefractionScene& scene, const Intersector& intersector, glm::vec3 point);
 
-// Holds the first surface along a straight ray from the eye that bends light.
+// Holds the first surface on a straight primary ray that bends light.
 struct FirstBend {
   Hit hit;
   Ray ray;
   Cone cone;
   uint32_t key;     // of its pixel, for random numbers
-  uint32_t before;  // how many surfaces the ray hit before it
+  uint32_t before;  // number of surfaces that the ray hit before
   RayReuse::Pixel pixel;
-  bool is_lit;      // the surface's own light has been added already
+  bool is_lit;      // the surface's own light has been added
 };
 
-// Holds where a path ended that was followed for its way alone.
+// Holds the end of a path that was followed without shading.
 struct PathEnd {
   Ray ray;         // its last straight part
-  Hit opaque;      // the surface that this part ends at; no_instance: none, or `turns` is 0 and it is not looked for
+  Hit opaque;      // the surface at its end; no_instance: none, or `turns` is 0 and it is not searched
   double length;   // of the parts before it
   uint32_t turns;  // surfaces that refracted or reflected it
-  bool complete;   // it was followed to its end; false: it reached the limit of surfaces
+  bool complete;   // false: the path reached the limit of surfaces
 };
 
-// Holds a translucent surface that a path crossed, or was reflected by.
+// Holds a translucent surface that a path crossed or that reflected it.
 struct PathSurface {
   uint32_t path;  // index of its pixel
   Hit hit;
   Ray ray;         // the straight part of the path that hit it
-  double length;   // of the parts before that
+  double length;   // of the parts before it
   glm::vec3 normal, geometric_normal;  // shading normal and the triangle's, unit, on the side of the ray
 };
 
 class RefractionTracer {
  public:
-  // A path hits at most this many surfaces, even where requests are unlimited: some paths never leave a solid.
+  // The most surfaces that a path hits, even in unlimited requests: some paths never leave a solid.
   static constexpr uint32_t most_events = 256;
-  // A path from a first refraction hits at most this many surfaces, that one included.
+  // The most surfaces that a path hits after its first refraction, including that one.
   static constexpr uint32_t most_events_behind = 8;
-  // At its first rough surface a path of a reference splits into this many directions, half of them for each of the two
-  // estimates. At further rough surfaces, and in frames, it continues in one direction.
+  // At its first rough surface, a path of a reference splits into this many directions, half of them for each of the
+  // two estimates. At further rough surfaces, and in frames, it continues in one direction.
   static constexpr uint32_t scattered_paths = 8;
 
-  // `shader` has begun. Refills `result`; adds what was done to `counters`. Other than complete: the shader did not
-  // come to the end, and the result is void.
+  // `shader` must have begun. Refills `result`; adds the work to `counters`. Returns other than complete if the shader
+  // stopped early; then the result is invalid.
   TraceEnd trace(const RefractionContext& context, std::span<const PixelRequest> pixels, PointShader& shader,
                  std::vector<RefractedPixel>& result, Counters& counters);
 
-  // Starts at the surfaces that bend light first, and writes what is seen there, all of it along refracted rays:
-  // result[i] is that of bends[i]. Every path is traced; under LayerRequest::ray_reuse shadow and mirror rays of the
-  // surfaces that it crosses are reused from pixel to pixel.
+  // Starts at the first surfaces that bend light, and writes the light behind each, all of it along refracted rays:
+  // result[i] belongs to bends[i]. Every path is traced; with LayerRequest::ray_reuse, pixels share shadow and mirror
+  // rays of the crossed surfaces.
   TraceEnd follow(const RefractionContext& context, std::span<const FirstBend> bends, PointShader& shader,
                   std::vector<RefractedPixel>& result, Counters& counters);
 
-  // Follows the same paths for their ways alone: nothing is shaded, rough surfaces refract as smooth ones do, and no path
-  // ends for want of light. Refills `ends`: ends[i] is that of pixels[i]. Where `surfaces` is not null it is refilled with
-  // what the paths hit, each path's in their order.
+  // Follows the same paths without shading: rough surfaces refract like smooth ones, and no path ends for lack of
+  // light. Refills `ends`: ends[i] belongs to pixels[i]. If `surfaces` is not null, refills it with the surfaces that
+  // the paths hit, in order along each path.
   void find_ends(const RefractionContext& context, std::span<const PixelRequest> pixels, std::vector<PathEnd>& ends,
                  Counters& counters, std::vector<PathSurface>* surfaces = nullptr);
 
  private:
-  // Says what has to be found before a path can go on. Most refracted rays turn at the first surface that they hit: so
-  // only its place is looked for, and opaque surfaces as far as there. Of a ray that goes straight on the opaque surface is
-  // found first, and then several translucent ones at once: the rest.
+  // Says what must be searched before a path can continue. Most refracted rays turn at their first surface, so only the
+  // surfaces at that place are searched, and opaque ones up to there. For an unrefracted ray, the opaque surface is
+  // searched first, then several translucent ones at once: the rest.
   enum class Search : uint8_t { nothing, place, opaque, rest };
   struct Path {
     uint32_t pixel, key;
     uint32_t met, wanted;
-    int estimate;  // the estimate that it counts for, or both_estimates
-    Light light;   // that it carries
+    int estimate;  // the estimate that it adds to, or both_estimates
+    Light light;   // the channels that it carries
     Ray ray;
     Cone cone;
     glm::vec3 through;
@@ -113,12 +113,12 @@ class RefractionTracer {
     uint32_t turns;  // rays before this one
     MediumStack media;
     bool refracted;
-    float clear;    // of a refracted ray: nothing opaque is nearer; `farthest`: its end has been found
+    float clear;    // for a refracted ray: no opaque surface is nearer; `farthest`: its end has been found
     Hit opaque;     // where a refracted ray ends
     SurfacesAhead ahead;
     Search search;
     uint32_t surface;  // index in made_ of the surface of ahead.hits[0], then of `next`; or none
-    Hit next;          // the surface that it crosses next; no_instance: it ends
+    Hit next;          // the surface to cross next; no_instance: the path ends
     float way_out;     // where its medium ends behind the last surface that counts; or infinite
   };
   struct Share {
@@ -172,8 +172,8 @@ class RefractionTracer {
   PointShader* shader_ = nullptr;
   Counters* counters_ = nullptr;
   std::vector<RefractedPixel>* result_ = nullptr;
-  std::vector<PathEnd>* path_ends_ = nullptr;  // output where paths are followed without shading; otherwise null
-  std::vector<PathSurface>* path_surfaces_ = nullptr;  // likewise, if the surfaces that they hit are asked for
+  std::vector<PathEnd>* path_ends_ = nullptr;  // output of paths without shading; otherwise null
+  std::vector<PathSurface>* path_surfaces_ = nullptr;  // the same, if the surfaces are requested
   std::vector<Path> paths_;
   std::vector<uint32_t> active_, next_active_, pending_, group_, ends_;
   std::vector<Ray> rays_;
@@ -182,14 +182,14 @@ class RefractionTracer {
   std::vector<double> known_;
   const ShadeKernels* kernels_ = nullptr;
   std::vector<HitPlace> places_;
-  std::vector<SurfacePoint> made_;  // surfaces of the paths' next hits; grows only
+  std::vector<SurfacePoint> made_;  // surfaces of the paths' next hits; never shrinks
   size_t made_count_ = 0;
   std::vector<SurfacePoint> points_;
-  std::vector<MediumStack> media_;  // one for each of points_, as the next
+  std::vector<MediumStack> media_;  // one for each of points_, like the next
   std::vector<Share> shares_;
   RayReuse reuse_;
-  std::span<const FirstBend> bends_;           // of paths that reuse rays; donors are in front in active_
-  std::vector<RayReuse::Pixel> point_pixels_;  // of reuse_: those of points_
+  std::span<const FirstBend> bends_;           // of paths that reuse rays; donors come first in active_
+  std::vector<RayReuse::Pixel> point_pixels_;  // pixels of points_, for reuse_
   std::vector<glm::vec3> radiance_;
 };
 

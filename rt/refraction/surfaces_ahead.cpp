@@ -7,12 +7,12 @@
 namespace sideray::rt {
 namespace {
 
-// A further round starts this share of the distance before the last surface, and skips by the total order what was
-// found before.
+// A further round starts before the last surface, by this share of its distance; the total order tells which surfaces
+// are known.
 constexpr double step_back = 1e-6;
-// This is the sine of the least angle between a refracted ray and the surface.
+// The sine of the smallest angle between a refracted ray and the surface.
 constexpr float least_elevation = 1e-3f;
-// Surfaces this many offsets apart, along the normal, count as being at one place.
+// Surfaces up to this many offsets apart along the normal count as being at one place.
 constexpr float skin_offsets = 2.0f;
 constexpr double endless = std::numeric_limits<double>::infinity();
 
@@ -20,7 +20,7 @@ float step_before(const Hit& hit) {
   return static_cast<float>(hit.distance * (1.0 - step_back));
 }
 
-// Returns the length of the offset layer around a surface, measured along the ray that arrived there.
+// Returns the thickness of the offset layer around a surface along the incoming ray.
 float skin_along_ray(const SurfacePoint& point) {
   return skin_offsets * point.offset / std::max(glm::dot(point.geometric_normal, point.to_eye), least_elevation);
 }
@@ -59,7 +59,7 @@ void SurfacesAhead::begin_at_last(Ray& ray) {
 }
 
 bool SurfacesAhead::knows_place(const SurfacePoint& first) const {
-  // A new ray begins with all surfaces at its origin.
+  // The first hits of a new ray are all surfaces at its origin.
   return last.instance == no_instance || count == most || same_place(first, hits[0].distance) <= known;
 }
 

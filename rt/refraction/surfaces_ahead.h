@@ -1,5 +1,5 @@
-// Shared by rays that are followed through translucent surfaces, those of pictures and those of paths: the surfaces
-// ahead of a ray, and how it restarts behind a surface. Values; any thread may use them.
+// Tracks the surfaces ahead of rays that pass translucent surfaces, for pictures and for paths, and how a ray restarts
+// behind a surface. Values; any thread may use them.
 #pragma once
 
 #include <cstdint>
@@ -14,59 +14,63 @@
 
 namespace sideray::rt {
 
-// A translucent surface this share of the distance before an opaque one lies on it, as in ViewRays::end_of_ray.
+// A translucent surface less than this share of the distance in front of an opaque one counts as lying on it, as in
+// ViewRays::end_of_ray.
 inline constexpr float on_opaque_surface = 0x1p-21f;
 
-// Holds a ray's next translucent surfaces, as far as they have been found.
+// Holds the next translucent surfaces of a ray, as far as they have been found.
 struct SurfacesAhead {
   static constexpr uint32_t most = 4;
 
   Hit hits[most];  // in order
-  Hit last;        // the last one found on the ray; its instance is no_instance where there is none
+  Hit last;        // the last hit found on the ray; no_instance: there is none
   uint32_t count = 0;
-  double known = 0.0;  // along the ray: up to there are no others; infinite: there are no more
+  double known = 0.0;  // distance up to which all surfaces are known; infinite: there are no more
   bool deep = false;   // more surfaces are at one place than a round of `most` finds
 
   SurfacesAhead() { last.instance = no_instance; }
 
   bool complete() const { return known == std::numeric_limits<double>::infinity(); }
-  // Returns whether all surfaces at the place of hits[0], whose surface is `first`, are in `hits`, as far as there is room.
+  // Returns whether `hits` has all surfaces at the place of hits[0] that fit; `first` is the surface of hits[0].
   bool knows_place(const SurfacePoint& first) const;
-  // Takes what Intersector::nearest_places() found on a new ray, and lets its next round begin there.
+  // Takes the result of Intersector::nearest_places() for a new ray, and sets where its next round starts.
   void take_place(std::span<const Hit> found, double known_to, Ray& ray);
-  // Takes the next of what a traversal for up to `layers` surfaces found, in order, and lets the ray's next round begin there.
+  // Takes the next hits from a traversal for up to `layers` surfaces, in order, and sets where the ray's next round
+  // starts.
   void take(const std::vector<model::Instance>& instances, std::span<const Hit> found, uint32_t layers, Ray& ray);
-  // Forgets all: there are no more.
+  // Drops all hits and marks the ray as complete.
   void end() { count = 0, known = std::numeric_limits<double>::infinity(); }
-  // Leaves out what lies behind the end of the ray.
+  // Drops hits behind the end of the ray.
   void end_at(float t_far);
-  // Forgets all behind `hit`, which was the last to count: the next round begins there.
+  // Drops everything behind `hit`, the last one that counted, where the next round starts.
   void forget_behind(const Hit& hit, Ray& ray);
   // Returns the hit with index `i` and closes the gap that it leaves.
   Hit remove(uint32_t i);
-  // Keeps those up to `limit`, as the first of a new ray that starts there, and drops the others.
+  // Keeps the hits up to `limit` as the first of a new ray that starts there, and drops the others.
   void start_anew(double limit);
 
  private:
   void begin_at_last(Ray& ray);
 };
 
-// Says which surface of several at one place comes next: those that are entered come first, for a medium that begins where
-// another ends leaves no gap. `first`, that of hits[0], is left; `exits` says of a hit whether its medium ends there.
+// Returns which of several surfaces at one place comes next: entered ones come first, because a medium that begins
+// where another ends leaves no gap. `first` is the surface of hits[0] and is exited; `exits` returns whether a hit ends
+// its medium.
 template <typename Exits>
 uint32_t first_entered(const SurfacesAhead& ahead, const SurfacePoint& first, const Exits& exits);
 
 // Describes a ray that leaves a surface.
 struct OnwardRay {
   Ray ray;
-  double limit;  // along the ray that arrived: surfaces up to there are at the same place, and still to be crossed
+  double limit;  // on the incoming ray: surfaces up to there are at the same place, and still to be crossed
 };
 
-// `distance`: that of the surface along the ray that arrived. The new ray starts at a point on the near side of the surface,
-// for an opaque surface may lie on it; translucent surfaces count from beyond it.
+// Makes the ray that continues from `point`, which is at `distance` on the incoming ray. It starts on the near side of
+// the surface, because an opaque one may lie on it; translucent surfaces count only beyond the surface.
 OnwardRay onward_ray(const SurfacePoint& point, float distance, glm::vec3 direction, bool transmitted);
 
-// Returns up to where along the ray that arrived at `point`, at `distance`, surfaces count as being at one place.
+// Returns the distance on the incoming ray up to which surfaces count as being at the place of `point`, which is at
+// `distance`.
 double same_place(const SurfacePoint& point, double distance);
 
 template <typename Exits>

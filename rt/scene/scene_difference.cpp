@@ -11,7 +11,7 @@ namespace sideray::rt {
 namespace {
 
 bool same_materials(const model::Snapshot& a, const model::Snapshot& b) {
-  // Bytes without a meaning may differ too, which costs a history and nothing else.
+  // Unused bytes may differ too, which costs only a reset of the history.
   return a.materials.size() == b.materials.size() &&
          std::memcmp(a.materials.data(), b.materials.data(), a.materials.size() * sizeof(model::Material)) == 0;
 }
@@ -21,13 +21,13 @@ bool same_shader(const sideray_shader_desc& a, const sideray_shader_desc& b) {
          a.radiance_space == b.radiance_space && a.radiance_scale == b.radiance_scale;
 }
 
-// The same fixed function, and the same host's shader.
+// Returns whether fixed function and host's shader are the same.
 bool same_shading(const model::Snapshot& a, const model::Snapshot& b) {
   const bool same_fixed = a.fixed == b.fixed || (a.fixed && b.fixed && *a.fixed == *b.fixed);
   return same_fixed && same_shader(a.shader, b.shader);
 }
 
-// Returns whether the meshes differ only in where their vertices are and which way they face.
+// Returns whether the meshes differ only in their vertices' positions and normals.
 bool differ_in_vertices_only(const model::Mesh& a, const model::Mesh& b) {
   return a.uv0 == b.uv0 && a.uv1 == b.uv1 && a.colors == b.colors && model::same_triangles(a, b);
 }
@@ -45,7 +45,7 @@ bool same_particles(const model::ParticleSystem& a, const model::ParticleSystem&
   return std::memcmp(&a.desc, &b.desc, sizeof(a.desc)) == 0 && std::ranges::equal(a.sprites, b.sprites, same_sprite);
 }
 
-// Lines and points show what they are of, and no more: no mover is told of them.
+// Lines and points are hit only by primary rays, so movers leave them out.
 bool same_thin(const model::Snapshot& a, const model::Snapshot& b) {
   return std::ranges::equal(a.thin, b.thin, [&](const model::Instance& i, const model::Instance& j) {
     return a.meshes[i.mesh] == b.meshes[j.mesh] && i.material == j.material && i.surface_id == j.surface_id &&
@@ -72,7 +72,7 @@ void add_reach(model::Bounds& all, const model::Light& light) {
   all.add(light.position + light.range);
 }
 
-// Compares the instances of two snapshots in which those of one index are the same.
+// Compares instances of the same index in two snapshots whose names agree.
 class InstanceComparison {
  public:
   InstanceComparison(const model::Snapshot& a, const model::Snapshot& b)
@@ -125,7 +125,7 @@ bool differ_in_places_only(const model::Snapshot& a, const model::Snapshot& b) {
   if (a.origin != b.origin || a.environment != b.environment || a.textures != b.textures || a.lights != b.lights)
     return false;
   if (!same_materials(a, b) || !same_shading(a, b)) return false;
-  // Equal names mean that the indices of one snapshot are those of the other.
+  // Equal names mean that indices agree in both snapshots.
   if (a.instance_names != b.instance_names || !same_thin(a, b)) return false;
   MeshComparison meshes(a, b);
   return std::equal(a.instances.begin(), a.instances.end(), b.instances.begin(), b.instances.end(),
@@ -153,7 +153,7 @@ std::optional<std::vector<Mover>> find_movers(const model::Snapshot& a, const mo
       a.instances.size() != b.instances.size() || a.materials.size() != b.materials.size() ||
       a.lights.size() != b.lights.size() || !same_thin(a, b))
     return std::nullopt;
-  // Translucency decides which rays are traced at all.
+  // Translucency decides which rays are traced.
   for (size_t i = 0; i < a.materials.size(); ++i)
     if (a.materials[i].translucent != b.materials[i].translucent || a.materials[i].traceable != b.materials[i].traceable)
       return std::nullopt;

@@ -1,4 +1,4 @@
-// Finds what two snapshots of one scene have in common. Any thread may call it.
+// Compares two snapshots of one scene. Any thread may call it.
 #pragma once
 
 #include <cstddef>
@@ -9,21 +9,21 @@
 
 namespace sideray::rt {
 
-// Returns whether the snapshots differ only in where instances and vertices are.
+// Returns whether the snapshots differ only in the positions of instances and vertices.
 bool differ_in_places_only(const model::Snapshot& a, const model::Snapshot& b);
-// Returns whether they do not even differ there. Commits that change nothing are equal except for their revisions.
+// Returns whether the snapshots are equal except for their revisions, as after a commit without changes.
 bool are_equal(const model::Snapshot& a, const model::Snapshot& b);
 
-// However the sprite is turned.
+// Returns bounds that hold for any rotation of the sprite.
 model::Bounds bounds_of(const model::Sprite& sprite);
 
-// Something that differs between two snapshots, with bounds that hold it in both.
+// Describes a difference between two snapshots, with bounds that contain it in both.
 struct Mover {
   enum class Kind { surface, sprites, light } kind;
-  size_t index;          // of the instance, system or light
-  model::Bounds bounds;  // of a light: all that it can light
+  size_t index;          // of the instance, particle system or light
+  model::Bounds bounds;  // for a light: everything that it can light
 };
-// Returns what has moved, sways or looks different; nullopt if that may be everything.
+// Returns everything that has moved, sways or looks different; nullopt if that may be the whole scene.
 std::optional<std::vector<Mover>> find_movers(const model::Snapshot& a, const model::Snapshot& b);
 
 }  // namespace sideray::rt

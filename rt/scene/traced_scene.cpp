@@ -18,7 +18,8 @@ void TracedScene::set_scene(std::shared_ptr<const model::Snapshot> snapshot) {
 }
 
 void TracedScene::set_foliage(const FoliageOptions& options) {
-  if (options == options_) return;  // tracers that share the scene may call this at the same time
+  if (options == options_) return;  // without a write, because tracers that share the scene may call this at the same
+                                    // time
   options_ = options;
   stale_ = options != taken_;
 }

@@ -1,5 +1,5 @@
-// The committed scene as all kinds of tracing share it: acceleration structures, poses, sprites that face the view, and
-// the threads that trace. One call at a time; what it returns holds until the next call that changes it.
+// Holds the committed scene for all kinds of tracing: acceleration structures, poses, sprites that face the view, and
+// the threads. One call at a time; results stay valid until the next call that changes them.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ class TracedScene {
  public:
   explicit TracedScene(const TracerConfig& config);
 
-  // As Tracer's functions of these names.
+  // As Tracer's functions of the same names.
   void set_scene(std::shared_ptr<const model::Snapshot> snapshot);
   void set_foliage(const FoliageOptions& options);
   void set_glass_shadows(bool on);
@@ -31,15 +31,15 @@ class TracedScene {
   const std::vector<uint8_t>& culled();
   double update_ms() const { return update_ms_; }
 
-  // The scene in its poses, brought up to date. Throws Failure where nothing is committed.
+  // Returns the scene in its current poses, after updating it. Throws Failure if nothing is committed.
   const ShadingScene& shading();
-  // As committed, without poses.
+  // Returns the scene as committed, without poses.
   const std::shared_ptr<const model::Snapshot>& committed() const { return committed_; }
-  // Builds the sprites' quads for a view. They stay, unmet by other rays, until another view's or another scene.
+  // Builds the sprites' quads for a view. They stay until another view or scene; other rays do not hit them.
   void place_sprites(const TraceView& view, uint32_t height);
-  // It is made when it is first needed: most tracers never need it.
+  // Is made on first use, because most tracers never need it.
   const EnvironmentSampler& environment();
-  // Likewise.
+  // Is made on first use too.
   const SkyDirections& sky();
 
   Executor& executor() { return executor_; }
@@ -52,15 +52,15 @@ class TracedScene {
   Executor executor_;
   Intersector intersector_;
   std::shared_ptr<const model::Snapshot> committed_;
-  FoliageOptions options_, taken_;  // requested, and as committed to Embree
+  FoliageOptions options_, taken_;  // as requested, and as in the acceleration structures
   bool stale_ = false;              // they differ
   bool glass_shadows_ = true;
   Foliage foliage_;
   AngleCull cull_;
   std::shared_ptr<const model::Snapshot> posed_;  // the committed scene in the foliage's poses
-  std::unique_ptr<const ShadingScene> scene_;     // of it, or of it with quads
-  TraceView quads_view_{};                        // that the quads face
-  uint32_t quads_height_ = 0;                     // 0 = there are none
+  std::unique_ptr<const ShadingScene> scene_;     // of posed_, or of posed_ with quads
+  TraceView quads_view_{};                        // the view that the quads face
+  uint32_t quads_height_ = 0;                     // 0 = no quads
   std::unique_ptr<const EnvironmentSampler> environment_;
   std::unique_ptr<const SkyDirections> sky_;
   double update_ms_ = 0.0;

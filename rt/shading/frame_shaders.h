@@ -1,5 +1,5 @@
-// The shaders that a frame's chunks are shaded with, one a thread: the built-in model's, or the host's where the scene
-// has one. One thread begins a frame; each tracing thread takes its own.
+// Holds a frame's shaders, one a thread: the built-in model's, or the host's if the scene has one. One thread begins a
+// frame; each tracing thread uses its own shader.
 #pragma once
 
 #include <cstdint>
@@ -12,23 +12,23 @@
 
 namespace sideray::rt {
 
-// Gives a thread its shader.
+// Provides each thread with its shader.
 class ShaderSource {
  public:
   virtual ~ShaderSource() = default;
-  // The thread's shader, begun anew.
+  // Returns the thread's shader, ready for a chunk.
   virtual PointShader& begin_chunk(uint32_t thread) = 0;
 };
 
 class FrameShaders final : public ShaderSource {
  public:
-  // The caller keeps what it refers to for the frame.
+  // The caller keeps referenced objects alive for the frame.
   struct Frame {
     const ShadingScene& scene;
     const Intersector& intersector;
     HostCalls calls;
     bool shadows;
-    bool tells_rough;  // rough reflections are returned apart
+    bool tells_rough;  // rough reflections are also returned by rough()
     float error;       // LayerRequest::ray_reuse
     glm::vec3 viewer = {0, 0, 1};  // way_to_viewer()
     bool bounces = false;          // LayerRequest::light_bounces

@@ -8,16 +8,16 @@
 namespace sideray::rt {
 namespace {
 
-constexpr size_t enough_rays = 1024;  // for their packets to be full
+constexpr size_t enough_rays = 1024;  // to fill packets
 
-// Returns the share that the base reflects of the radiance from its mirror direction, as in sr_environment().
+// Returns the base's weight for radiance from its mirror direction, as in sr_environment().
 glm::vec3 base_weight(const shading::SrSurface& s) {
   return shading::sr_specular_albedo(s) * (s.below_sheen * (1.0f - s.coat_share) * s.occlusion);
 }
 
-// Returns whether a lobe is so narrow and so faint that its middle direction represents all of it: it has no noise,
-// needs no filter, and is reused like a mirror's. Others are sampled by one random direction a point, and the filter
-// needs all of them.
+// Returns whether a lobe is so narrow and faint that its mirror direction represents it: it has no noise, needs no
+// filter, and is reused like a mirror's. Other lobes are sampled in one random direction a point, and the filter needs
+// the samples of all points.
 bool is_narrow(float roughness, float weight) {
   constexpr float most_roughness = 0.1f, most_weight = 0.1f;
   return roughness <= most_roughness && weight <= most_weight;
@@ -27,8 +27,7 @@ bool bit(uint32_t bits, size_t i) {
   return (bits >> i & 1u) != 0;
 }
 
-// Returns the weight of the radiance in the base's mirror direction, with that of a coat that has the same mirror
-// direction.
+// Returns the weight of radiance from the base's mirror direction, plus that of a coat with the same mirror direction.
 float mirror_share(const AroundBlock& a, size_t lane) {
   return a.share[lane] + (bit(a.alike, lane) ? a.coat_share[lane] : 0.0f);
 }
@@ -62,7 +61,7 @@ void HitShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance)
   seen_.show(radiance);
 }
 
-// Adds direct light to seen_, and keeps what write_answers() says of it.
+// Adds direct light to seen_, and stores its part of write_answers().
 void HitShader::add_direct_seen(glm::vec3* radiance) {
   offered_.assign(seen_.size(), glm::vec3(0.0f));
   arrived_.assign(seen_.size(), glm::vec3(0.0f));
@@ -122,7 +121,7 @@ void HitShader::shade_reusing(std::span<const SurfacePoint> points, std::span<co
   seen_.show(radiance);
 }
 
-// Lets the mirror directions of points that reuse rays show the environment where no donor's ray hit anything.
+// For points that reuse rays: uses their own environment if no donor's mirror ray hit anything.
 void HitShader::see_own_surroundings(std::span<const ReusedRays> reused) {
   for (size_t first = 0; first < reused.size(); first += block_size) {
     uint32_t lanes = 0;
@@ -138,7 +137,7 @@ void HitShader::shade_opaque(std::span<const SurfacePoint> points, glm::vec3* ra
   shade_reflected(radiance);
 }
 
-// Traces the rays of several lights at a time: the last packet of each light's would be half empty.
+// Traces rays of several lights together, because the last packet of each light would be half empty.
 void HitShader::add_lights(SurfaceBatch& batch, glm::vec3* radiance, RayAnswers answers) {
   if (shadows_ && error_ > 0.0f) return add_drawn_lights(batch, radiance, answers);
   light_.clear();
@@ -151,10 +150,9 @@ void HitShader::add_lights(SurfaceBatch& batch, glm::vec3* radiance, RayAnswers 
   }
 }
 
-// The same where faint lights are drawn by chance.
+// Does the same if faint lights are sampled at random.
 void HitShader::add_drawn_lights(SurfaceBatch& batch, glm::vec3* radiance, RayAnswers answers) {
-  // Fractions of `error_`, the largest allowed spread among donors. Lights that add more than `most` get a ray for
-  // sure.
+  // Fractions of `error_`, the maximum spread among donors. Lights that add more than `most` always get a ray.
   constexpr float least = 0.25f, most = 0.5f;
   const LightOdds odds{least * error_, most * error_};
   light_.clear();
@@ -173,7 +171,7 @@ void HitShader::trace_lights(SurfaceBatch& batch, glm::vec3* radiance) {
   if (batch.is_separate()) light_.add_shine(batch.shine());
 }
 
-// Traces the mirror directions of seen_, and stores what they show.
+// Traces the mirror directions of seen_, and stores their radiance.
 void HitShader::trace_reflections(std::span<const SurfacePoint> points) {
   collect_mirror_rays(points);
   const uint64_t before = mirrors_.traversals;
@@ -205,7 +203,7 @@ void HitShader::collect_rough(std::span<const SurfacePoint> points) {
   }
 }
 
-// Counts a coat and a base that are both rough as one lobe, as rough as the one that reflects more.
+// Merges a rough coat and a rough base into one lobe, with the roughness of the one that reflects more.
 void HitShader::add_rough(size_t ray, glm::vec3 weight, RoughReflection& rough) const {
   const glm::vec3 both = rough.weight + weight;
   const glm::vec3 light = rough.radiance * rough.weight + mirrors_.radiance(ray) * weight;
@@ -234,7 +232,7 @@ Mirror HitShader::mirror_of(const SurfacePoint& point, size_t i, uint32_t layer)
   return {vector_at(a.coat_mirror, lane), s.coat_normal, s.coat_roughness, 1, false, narrow, weight};
 }
 
-// Fills lobes_: the bases', then the coats', so that neighbours in a packet go the same way.
+// Fills lobes_ with the bases', then the coats', so that neighbours in a packet have similar directions.
 void HitShader::choose_lobes(size_t points) {
   lobes_.clear();
   const std::span<const AroundBlock> around = seen_.around();
@@ -255,7 +253,7 @@ void HitShader::choose_lobes(size_t points) {
 void HitShader::collect_mirror_rays(std::span<const SurfacePoint> points) {
   mirrors_.clear();
   choose_lobes(points.size());
-  // Rays of rough lobes, which go any way, come last: among others they would make packets of both slow.
+  // Rays of rough lobes have any direction and come last, because mixed packets would be slow.
   for (const bool rough : {false, true})
     for (const Lobe& lobe : lobes_) {
       const SurfacePoint& p = points[lobe.point];
@@ -275,12 +273,12 @@ std::span<const ArrivingLight> HitShader::find_arriving(const SurfaceBatch& batc
   return arriving;
 }
 
-// Where light bounces, lets what is matt see what arrives of it in place of all of the sky.
+// If light bounces, replaces the whole sky by the light that arrives at diffuse surfaces.
 void HitShader::let_arrive(SurfaceBatch& batch) {
   if (bounces_) batch.let_arrive(find_arriving(batch, true));
 }
 
-// Lets surfaces that have no mirror rays see what is around them.
+// Adds the environment to surfaces without mirror rays.
 void HitShader::see_around(SurfaceBatch& batch) {
   batch.reflect_environment();
   if (!bounces_) return;
@@ -289,7 +287,7 @@ void HitShader::see_around(SurfaceBatch& batch) {
   batch.let_arrive_in_mirrors(arriving);
 }
 
-// Computes the light without further reflections: the prefiltered environment takes their place.
+// Computes light without further reflections, which the prefiltered environment replaces.
 void HitShader::shade_reflected(glm::vec3* radiance) {
   see_around(reflected_);
   reflected_.finish(radiance);

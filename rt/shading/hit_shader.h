@@ -1,6 +1,6 @@
-// Computes the light that leaves surfaces toward the viewer, for batches of hits: punctual lights with shadow rays, one
-// reflection (and one in the coat; sampled where rough), environment, emission. Holds scratch memory: one object per
-// thread.
+// Computes the light from surfaces toward the viewer, for batches of hits: punctual lights with shadow rays, one
+// reflection (and one in the coat; rough ones are sampled), environment, emission. It has scratch memory: one object
+// per thread.
 #pragma once
 
 #include <cstdint>
@@ -20,10 +20,10 @@ namespace sideray::rt {
 
 class HitShader final : public PointShader, public SecondaryHitShader, public RaySharing {
  public:
-  // Sets what the hits are shaded with until the next call; both objects are kept by the caller. `shadows` off: no
-  // shadow rays. `tell_rough`: rough() has answers. `error`: LayerRequest::ray_reuse; above 0, faint lights are drawn
-  // by chance, else every light that reaches a point gets a shadow ray. `viewer`: as SurfaceBatch::begin() has it.
-  // `bounces`: surfaces light each other, and hide the sky from each other.
+  // Sets the scene and options until the next call; the caller keeps both objects alive. `shadows` false: no shadow
+  // rays. `tell_rough`: rough() has results. `error`: LayerRequest::ray_reuse; above 0, faint lights are sampled at
+  // random, else every light that reaches a point gets a shadow ray. `viewer`: as in SurfaceBatch::begin(). `bounces`:
+  // surfaces light each other, and occlude the sky for each other.
   void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough = false,
              float error = 0.0f, glm::vec3 viewer = {0, 0, 1}, bool bounces = false);
 
@@ -43,12 +43,12 @@ class HitShader final : public PointShader, public SecondaryHitShader, public Ra
   void surroundings(std::span<const EnvironmentPlace> places, glm::vec3* radiance) const override;
 
  private:
-  // Names a lobe of a point that gets a mirror ray.
+  // Names a lobe of a point that has a mirror ray.
   struct Lobe {
     uint32_t point;
     uint32_t layer;  // as in Mirror
   };
-  // Says where to add RayAnswer's; null: nowhere.
+  // Says where the fields of RayAnswer are added; null: nowhere.
   struct RayAnswers {
     glm::vec3 *offered = nullptr, *arrived = nullptr;
   };
@@ -74,19 +74,19 @@ class HitShader final : public PointShader, public SecondaryHitShader, public Ra
   bool shadows_ = true, tell_rough_ = false, bounces_ = false;
   float error_ = 0.0f;
 
-  SurfaceBatch seen_, reflected_, in_front_;  // seen by the eye; in mirrors; before what mirrors show
+  SurfaceBatch seen_, reflected_, in_front_;  // seen by the eye; seen in mirrors; in front of surfaces seen in mirrors
 
   MirrorRays mirrors_;  // the bases' rays, then the coats'
-  std::vector<Lobe> lobes_;  // those of mirrors_
+  std::vector<Lobe> lobes_;  // of the rays of mirrors_
 
   DirectLight light_;
   LightAround around_;
 
   std::vector<RoughReflection> rough_;
 
-  std::vector<glm::vec3> offered_, arrived_;  // RayAnswer's, of the points of seen_
-  std::vector<glm::vec3> offered_shine_;      // of the former, what the fixed function adds apart
-  std::vector<uint8_t> without_mirrors_;      // of each point, whether its mirrors' rays are reused; empty: none are
+  std::vector<glm::vec3> offered_, arrived_;  // fields of RayAnswer, for the points of seen_
+  std::vector<glm::vec3> offered_shine_;      // the part of offered_ that the fixed function adds after texturing
+  std::vector<uint8_t> without_mirrors_;      // by point: its mirror rays are reused; empty: none are
 };
 
 }  // namespace sideray::rt

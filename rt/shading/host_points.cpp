@@ -11,7 +11,7 @@
 namespace sideray::rt {
 namespace {
 
-// This share of the way to a light is not tested, so that rounding does not carry the ray past it.
+// Rays stop before the light by this share of the distance, so that rounding does not carry them past it.
 constexpr float short_of_light = 1e-5f;
 constexpr uint32_t most_numbered_lights = 32;
 
@@ -31,7 +31,7 @@ glm::vec3 mirrored(const SurfacePoint& p) {
 }
 
 bool is_finite(const sideray_shading_result& r) {
-  float sum = r.alpha * 0.0f;  // not 0 where one of the numbers is not finite
+  float sum = r.alpha * 0.0f;  // not 0 if any of the numbers is not finite
   for (size_t c = 0; c < 3; ++c)
     sum += (r.radiance[c] * 0.0f + r.transmittance[c] * 0.0f) + (r.reflectance[c] * 0.0f + r.reflection[c] * 0.0f);
   return sum == 0.0f;
@@ -103,7 +103,7 @@ void HostPoints::find_light(std::span<const SurfacePoint> points, const shading:
   if (straight_.is_tinted()) pass_glass(bit);
 }
 
-// Finds what translucent surfaces leave of the light along the traced rays.
+// Finds the transmittance of translucent surfaces along the traced rays.
 void HostPoints::pass_glass(uint32_t bit) {
   free_.clear();
   of_free_.clear();
@@ -129,7 +129,7 @@ void HostPoints::describe(const SurfacePoint& p, size_t i, const Kind& kind) {
   const model::Instance& instance = snapshot.instances[p.hit.instance];
   const SurfaceAttributes a = surface_attributes(snapshot, p);
   sideray_shading_point& to = points_[i];
-  std::memset(&to, 0, sizeof(to));  // clears padding too: equal points are equal bytes
+  std::memset(&to, 0, sizeof(to));  // clears padding too, so that equal points have equal bytes
   for (int c = 0; c < 3; ++c) to.position[c] = snapshot.origin[c] + double{p.position[c]};
   store(to.to_eye, p.to_eye);
   store(to.geometric_normal, p.geometric_normal);
@@ -169,7 +169,7 @@ bool HostPoints::is_cancelled() const {
   return calls_.cancelled && calls_.cancelled->load();
 }
 
-// False where the shader was not asked.
+// Returns false if the shader was not called.
 bool HostPoints::call() {
   const sideray_shader_desc& shader = scene_->snapshot->shader;
   const sideray_shading_point* points = host_points_.laid_out(points_, shader.point_stride_bytes);

@@ -1,4 +1,4 @@
-// Describes batches of points to a host's shader, calls it on the thread where it runs, and takes its answers. Holds
+// Passes batches of points to a host's shader, calls it on the thread where it must run, and reads its results. It has
 // scratch memory: one object per thread.
 #pragma once
 
@@ -19,24 +19,24 @@
 
 namespace sideray::rt {
 
-// Says when and where the shader runs.
+// Says where the shader runs and when it stops.
 struct HostCalls {
   ShadingQueue* queue;  // null: at once, on the calling thread
   const std::atomic<bool>* cancelled;
 };
 
-// Takes the settings of the calls from a request.
+// Takes these settings from a request.
 template <typename Request>
 HostCalls host_calls(const Request& request) {
   return {request.shading_queue, request.cancelled};
 }
 
-// Lays out an array of structs as far apart as the host was compiled with; uses the library's own memory where both
-// agree.
+// Converts an array of structs to the struct size that the host was compiled with. If sizes agree, it uses the
+// library's array itself.
 template <typename T>
 class HostArray {
  public:
-  // Returns `ours` as the host reads it; members that only the host's struct has are 0.
+  // Returns `ours` in the host's layout; members that only the host's struct has are 0.
   T* laid_out(std::vector<T>& ours, size_t stride_bytes) {
     if (stride_bytes == sizeof(T)) return ours.data();
     words_.assign((ours.size() * stride_bytes + sizeof(uint64_t) - 1) / sizeof(uint64_t), 0);
@@ -45,7 +45,7 @@ class HostArray {
       std::memcpy(bytes + i * stride_bytes, &ours[i], std::min(stride_bytes, sizeof(T)));
     return reinterpret_cast<T*>(bytes);
   }
-  // Takes back what the host has written; members that the host's struct lacks stay as they were.
+  // Copies back what the host has written; members that the host's struct lacks are unchanged.
   void read_back(std::vector<T>& ours, size_t stride_bytes) const {
     if (stride_bytes == sizeof(T)) return;
     const auto* bytes = reinterpret_cast<const std::byte*>(words_.data());
@@ -60,18 +60,18 @@ class HostArray {
 
 class HostPoints {
  public:
-  // The caller keeps all arguments. `shadows` off: no shadow rays.
+  // The caller keeps all arguments alive. `shadows` false: no shadow rays.
   void begin(const ShadingScene& scene, const Intersector& intersector, const HostCalls& calls, bool shadows);
 
   struct Kind {
     uint32_t bounce;
     bool translucent, shadows;
   };
-  // Once the frame is cancelled or its time is over, `end` says so, the shader is not asked any longer, and the answers
-  // are black.
+  // Calls the shader for the points. After the frame is cancelled or late it sets `end`, calls no shader any more, and
+  // returns black answers.
   void ask(std::span<const SurfacePoint> points, Kind kind, std::vector<HostAnswer>& answers);
 
-  uint64_t rays_shadow = 0, asked = 0, not_finite = 0;  // since begin(), as the next
+  uint64_t rays_shadow = 0, asked = 0, not_finite = 0;  // since begin(), like `end`
   TraceEnd end = TraceEnd::complete;
 
  private:
@@ -98,8 +98,8 @@ class HostPoints {
   StraightLight straight_;
   std::vector<Ray> free_;
   std::vector<uint32_t> of_free_;
-  std::vector<float> tints_;      // sideray_shading_point::tints of each point, where the scene tints light; else empty
-  std::vector<uint8_t> tinted_;   // of each point
+  std::vector<float> tints_;      // sideray_shading_point::tints of each point, if the scene tints light; else empty
+  std::vector<uint8_t> tinted_;   // by point
 };
 
 }  // namespace sideray::rt

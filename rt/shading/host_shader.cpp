@@ -9,7 +9,7 @@
 namespace sideray::rt {
 namespace {
 
-constexpr float least_reflectance = 1e-4f;  // below it no ray is worth its cost
+constexpr float least_reflectance = 1e-4f;  // the smallest that is worth a ray
 constexpr float mirror_roughness = 0.0f;
 
 constexpr HostPoints::Kind seen_layer{0, true, true};
@@ -46,7 +46,7 @@ void HostShader::cover(std::span<SurfacePoint> points) {
 
 void HostShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance) {
   if (points.empty()) return;
-  // Along refracted rays the host has not answered yet: which way they go on is decided by their materials.
+  // For refracted rays the host has not been called yet, because materials decide where they continue.
   const bool asked = points.front().answer != nullptr;
   if (!asked) ask(points, seen_layer, seen_);
   of_points_.clear();
@@ -90,7 +90,7 @@ void HostShader::shade_in_front(std::span<const HitPlace> hits, shading::SrBlend
   }
 }
 
-// In a mirror, what a surface reflects is the environment.
+// Surfaces seen in mirrors reflect only the environment.
 glm::vec3 HostShader::surrounded(const HostAnswer& a) const {
   if (largest(a.reflectance) < least_reflectance) return a.radiance;
   return a.radiance + a.reflectance * surroundings(a.reflection, mirror_roughness);

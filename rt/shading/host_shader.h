@@ -1,5 +1,6 @@
-// Lets the host (sideray_scene_set_shader) shade surfaces in place of the built-in model. Reflections are traced and
-// added where the host says how much; all of it in the host's space. Holds scratch memory: one object per thread.
+// Shades surfaces by the host's shader (sideray_scene_set_shader) in place of the built-in model. Reflections are
+// traced and added with the host's weights, all in the host's colour space. It has scratch memory: one object per
+// thread.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -14,7 +15,7 @@ namespace sideray::rt {
 
 class HostShader final : public PointShader, public SecondaryHitShader {
  public:
-  // The caller keeps all arguments; the snapshot has a shader.
+  // The caller keeps all arguments alive; the snapshot must have a shader.
   void begin(const ShadingScene& scene, const Intersector& intersector, const HostCalls& calls, bool shadows);
 
   void cover(std::span<SurfacePoint> points) override;
@@ -37,9 +38,9 @@ class HostShader final : public PointShader, public SecondaryHitShader {
   const ShadeKernels* kernels_ = nullptr;
   HostPoints host_;
   MirrorRays mirrors_;
-  std::vector<SurfacePoint> hits_;            // secondary ones
+  std::vector<SurfacePoint> hits_;            // secondary hits
   std::vector<HostAnswer> seen_, met_;        // of points seen by the eye; in mirrors
-  std::vector<const HostAnswer*> of_points_;  // of the points that shade() has
+  std::vector<const HostAnswer*> of_points_;  // of the points of shade()
 };
 
 }  // namespace sideray::rt

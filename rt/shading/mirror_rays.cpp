@@ -21,27 +21,25 @@ float mean(glm::vec3 v) {
   return (v.x + v.y + v.z) * (1.0f / 3.0f);
 }
 
-// Returns 1 / distance of a hit, which is at least as far off as rounding can resolve.
+// Returns 1 / distance of a hit; the distance is at least what rounding resolves.
 float nearness_of(const Hit& hit) {
   return 1.0f / std::max(static_cast<float>(hit.distance), 1e-6f);
 }
 
-// Returns where a rough lobe about `normal` reflects the eye: by one of the microfacets that the eye sees (Heitz 2018),
-// among those directions that leave the surface; `mirror` where none was found. The radiance from there stands for the
-// mirror direction's in the split sum (Karis 2013, "Real Shading in Unreal Engine 4"): the lobe's albedo times the mean
-// radiance that the lobe sees. That has little noise, since no weight varies from sample to sample, and agrees with the
-// prefiltered environment of the rasterizer. Its bias, as Karis describes it: the albedo's and the radiance's variation
-// over the lobe are taken for independent. A direction that hits nothing shows the environment prefiltered about the
-// lobe's dominant direction: no noise of its own where nothing stands around, and a bias where geometry hides a part of
-// the sky.
+// Returns the direction in which a rough lobe about `normal` reflects the eye, by one of the microfacets visible to it
+// (Heitz 2018), among directions that leave the surface; `mirror` if none was found. Its radiance replaces that of the
+// mirror direction in the split sum (Karis 2013, "Real Shading in Unreal Engine 4"): the lobe's albedo times the mean
+// radiance over the lobe. This has little noise, since no weight varies between samples, and agrees with the
+// rasterizer's prefiltered environment. Its bias, as Karis describes it, is to treat albedo and radiance as independent
+// over the lobe. A direction that hits nothing uses the environment prefiltered about the lobe's dominant direction: it
+// has no noise in open surroundings, and a bias where geometry hides a part of the sky.
 glm::vec3 rough_direction(const SurfacePoint& p, const model::Frame& frame, glm::vec2 alpha, uint32_t key,
                           glm::vec3 mirror) {
   constexpr uint32_t tries = 8;
   const glm::vec3 to_eye(glm::dot(frame.x, p.to_eye), glm::dot(frame.y, p.to_eye), glm::dot(frame.z, p.to_eye));
   if (to_eye.z <= 0.0f) return mirror;
   for (uint32_t i = 0; i < tries; ++i) {
-    // The tries are independent of each other: a stratified set would not stay stratified once some of its points are
-    // rejected.
+    // The tries are independent, because a stratified set would not stay stratified after rejections.
     const uint32_t x = random_key({key, i}), y = hash_bits(x);
     const glm::vec3 h = sample_visible_normal(to_eye, alpha, {unit_float(x), unit_float(y)});
     const glm::vec3 local = h * (2.0f * glm::dot(to_eye, h)) - to_eye, direction = frame.world(local);
@@ -78,7 +76,7 @@ void MirrorRays::clear() {
 void MirrorRays::add(const SurfacePoint& p, uint32_t point, glm::vec3 origin, const Mirror& mirror) {
   if (mirrors(mirror)) {
     rays_.push_back({origin, 0.0f, mirror.direction, farthest});
-    // A narrow lobe is one mirror ray whose cone is wider, so that coarser mip levels blur what it shows.
+    // A narrow lobe is one mirror ray with a wider cone, so that coarser mip levels blur its reflection.
     const float spread = mirror.narrow ? 2.0f * mirror.roughness * mirror.roughness : 0.0f;
     cones_.push_back({p.cone.width, p.cone.spread + spread});
   } else {
@@ -108,8 +106,8 @@ void MirrorRays::reflect(std::span<const SurfacePoint> points, glm::vec3* radian
   for (size_t i = 0; i < points.size(); ++i) {
     const SurfacePoint& p = points[i];
     const glm::vec3 n = p.surface.normal, mirrored = n * (2.0f * glm::dot(p.to_eye, n)) - p.to_eye;
-    // A lobe looks up its surroundings where the rasterizer does. Bent normals send a part of most lobes below the
-    // surface; a lobe that is lifted as a whole would see the horizon alone.
+    // A lobe samples its surroundings where the rasterizer does. Perturbed normals send a part of most lobes below the
+    // surface; lifting the whole lobe would show the horizon alone.
     const bool is_lobe = !mirrors(p.surface.roughness);
     add(p, static_cast<uint32_t>(i), start_of_ray(p),
         {is_lobe ? mirrored : shading::sr_lifted(mirrored, p.geometric_normal), n, p.surface.roughness, 0});
@@ -124,7 +122,7 @@ void MirrorRays::reflect(std::span<const SurfacePoint> points, glm::vec3* radian
 }
 
 // Adds the environment to rough lobes: over the whole lobe, and in the direction of rays that hit nothing. The latter
-// is looked up as sharp as half the roughness has it, since the filter averages neighbouring directions.
+// uses the level of half the roughness, because the filter averages neighbouring directions.
 void MirrorRays::see_past(std::vector<RoughReflection>& rough) {
   constexpr float narrower = 0.5f;
   const bool uniform = is_uniform(*scene_->snapshot->environment);
@@ -145,7 +143,7 @@ void MirrorRays::see_past(std::vector<RoughReflection>& rough) {
     if (!(rough[missed_[i]].nearness > 0.0f)) rough[missed_[i]].radiance = met_radiance_[i];
 }
 
-// Writes to radiance_ what the nearest opaque surfaces show, and the surroundings where there are none.
+// Writes the radiance of the nearest opaque surfaces to radiance_, or of the surroundings where there are none.
 void MirrorRays::shade_opaque_hits() {
   radiance_.resize(rays_.size());
   nearness_.assign(rays_.size(), 0.0f);
@@ -168,13 +166,13 @@ void MirrorRays::shade_opaque_hits() {
   see_surroundings();
 }
 
-// Writes to radiance_ what the missed rays see.
+// Writes the surroundings of missed_ to radiance_.
 void MirrorRays::see_surroundings() {
   look_up_surroundings();
   for (size_t i = 0; i < missed_.size(); ++i) radiance_[missed_[i]] = met_radiance_[i];
 }
 
-// Writes the environment that the lobes of missed_ see to met_radiance_.
+// Writes the environment in the lobes of missed_ to met_radiance_.
 void MirrorRays::look_up_surroundings() {
   places_.clear();
   const bool uniform = is_uniform(*scene_->snapshot->environment);
@@ -188,7 +186,7 @@ void MirrorRays::look_up_surroundings() {
   met_->surroundings(places_, met_radiance_.data());
 }
 
-// Composites translucent surfaces between a reflecting point and what it reflects over radiance_.
+// Composites the translucent surfaces between a reflecting point and its reflection over radiance_.
 void MirrorRays::trace_in_front(bool coherent) {
   for (size_t r = 0; r < rays_.size(); ++r)
     if (opaque_hits_[r].instance != no_instance) rays_[r].t_far = static_cast<float>(opaque_hits_[r].distance);
@@ -205,7 +203,7 @@ void MirrorRays::trace_in_front(bool coherent) {
   blend_in_front();
 }
 
-// Traces again, with room for more surfaces, the few rays that hit as many as one traversal holds.
+// Traces the few rays again whose surfaces filled one traversal, with room for more.
 void MirrorRays::trace_deep(bool coherent) {
   deep_rays_.clear();
   deep_rank_.assign(rays_.size(), not_deep);
@@ -222,7 +220,7 @@ void MirrorRays::trace_deep(bool coherent) {
   traversals += deep_rays_.size();
 }
 
-// Fills hits_ with all that is translucent on the rays, each ray's nearest first.
+// Fills hits_ with the translucent hits of all rays, each ray's nearest first.
 void MirrorRays::gather_in_front() {
   hits_.clear();
   rays_of_points_.clear();
@@ -239,7 +237,7 @@ void MirrorRays::gather_in_front() {
   }
 }
 
-// Attenuates radiance_ by hits_, and adds the light of those that are seen.
+// Attenuates radiance_ by hits_, and adds the light of the visible ones.
 void MirrorRays::blend_in_front() {
   size_t i = 0;
   for (size_t r = 0; r < rays_.size() && i < hits_.size(); ++r) {

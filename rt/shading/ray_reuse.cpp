@@ -12,10 +12,10 @@
 namespace sideray::rt {
 namespace {
 
-// One donor alone cannot disagree.
+// A single donor cannot disagree.
 constexpr uint32_t least_donors = 2;
-// A donor's shadows are reused only if its unshadowed light is within this factor of the receiver's: otherwise another
-// lamp may be the brightest one there.
+// A donor's shadows are reused only if its unshadowed light is within this factor of the receiver's; otherwise another
+// lamp may dominate there.
 constexpr float most_offered_apart = 2.0f;
 
 struct Way {
@@ -23,9 +23,9 @@ struct Way {
   float weight;
 };
 constexpr size_t most_ways = 6;
-using Ways = std::array<Way, most_ways>;  // weight 0: there are no more
+using Ways = std::array<Way, most_ways>;  // weight 0 ends the list
 
-// Returns the ways from a pixel with x + 2y = `rest` (mod 4) to the donors around, the nearest first; weights fall
+// Returns the offsets from a pixel with x + 2y = `rest` (mod 4) to the donors around, the nearest first. Weights fall
 // with the squared distance.
 constexpr Ways ways_from(int rest) {
   Ways ways{};
@@ -49,7 +49,7 @@ uint32_t name_of(int x, int y) {
 
 using Four = float __attribute__((vector_size(16)));
 
-// Reads a vector and the number behind it.
+// Reads a vector and the float behind it.
 Four four(const glm::vec3& first) {
   Four v;
   std::memcpy(&v, &first.x, sizeof(v));
@@ -65,7 +65,7 @@ float dot(Four a, Four b) {
   return product[0] + product[1] + product[2];
 }
 
-// Makes a mean over donors, and finds how far apart they are.
+// Computes the mean and the range of donors' values.
 struct Mean {
   Four sum{}, lowest{1e30f, 1e30f, 1e30f, 1e30f}, highest{-1e30f, -1e30f, -1e30f, -1e30f};
   float weight = 0.0f;
@@ -83,7 +83,7 @@ struct Mean {
   glm::vec3 apart() const { return three(highest - lowest); }
 };
 
-// Returns the share of what the lights offer that arrives; 1 where they offer nothing.
+// Returns the visible share of the lights' unshadowed light; 1 if there is none.
 glm::vec3 arriving_share(const RayAnswer& answer) {
   glm::vec3 share(1.0f);
   for (int c = 0; c < 3; ++c)
@@ -102,11 +102,11 @@ struct Donations {
   const RayProspect& prospect;
   float offered;
   bool wants_mirror, wants_light;
-  Mean mirrored;  // the fourth is RayAnswer::nearness
+  Mean mirrored;  // fourth component: RayAnswer::nearness
   Mean lit;
 
-  // `shown`: the radiance that a donor's mirror shows, and its nearness, negative without a ray; `arriving`: the
-  // visible share of its lights, and the greatest unshadowed contribution.
+  // `shown`: a donor's mirrored radiance and its nearness, negative without a ray; `arriving`: the visible share of its
+  // lights, and their largest unshadowed contribution.
   void add(Four shown, Four arriving, float weight) {
     if (shown[3] >= 0.0f) mirrored.add(shown, weight);
     const float theirs = arriving[3];
@@ -115,13 +115,13 @@ struct Donations {
     lit.add(arriving, weight);
   }
 
-  // Fills in the share of the lights, and returns by how much donors disagree on what it adds to the point's radiance.
+  // Sets the share of the lights, and returns how much the donors' spread changes the point's radiance.
   float reuse_lights(ReusedRays& reused) const {
     if (!wants_light) return 0.0f;
     reused.lit = lit.is_known() ? three(lit.value()) : glm::vec3(0.5f);
     return largest((lit.is_known() ? lit.apart() : glm::vec3(0.5f)) * prospect.offered);
   }
-  // Does the same with what the mirror shows; infinity where there are too few donors.
+  // Does the same for mirrored radiance; returns infinity if there are too few donors.
   float reuse_mirror(ReusedRays& reused) const {
     if (!wants_mirror) return prospect.keeps_mirrors ? INFINITY : 0.0f;
     if (!mirrored.is_known()) return INFINITY;
@@ -136,14 +136,14 @@ struct Donations {
 
 }  // namespace
 
-// A point that may reuse rays, as it is compared with donors.
+// Holds a point that may reuse rays, for comparison with donors.
 class RayReuse::Receiver {
  public:
   explicit Receiver(const SurfacePoint& point)
       : position_(four(point.position)), normal_(four(point.geometric_normal)), surface_(side_of(point)) {}
 
-  // Returns how far the donor is off the point's plane; infinity if it is not on the same part of the point's surface:
-  // near its plane, except for the deviation of a curve through both.
+  // Returns the donor's distance from the point's plane; infinity if the donor is on another part of the surface: too
+  // far from the plane, with a tolerance for the bend between the two normals.
   float off(const Donor& donor) const {
     constexpr float flat = 0.05f, most_bend = 0.5f;
     if (donor.surface != surface_) return INFINITY;
@@ -185,8 +185,7 @@ void RayReuse::list_donors(std::span<const SurfacePoint> points, std::span<const
   }
 }
 
-// Returns the donor, of those of a pixel that begin at `first`, that is least off the receiver's plane; null if there
-// is none.
+// Returns, of a pixel's donors from `first` on, the one nearest to the receiver's plane; null if there is none.
 const RayReuse::Donor* RayReuse::like(const Receiver& receiver, uint32_t first) const {
   const Donor* best = nullptr;
   float least = INFINITY;
@@ -199,7 +198,7 @@ const RayReuse::Donor* RayReuse::like(const Receiver& receiver, uint32_t first) 
   return best;
 }
 
-// Fills in what the point reuses, and which rays that replaces.
+// Sets the values that the point reuses, and returns which rays they replace.
 RayReuse::Reused RayReuse::reuse(const SurfacePoint& point, Pixel pixel, const RayProspect& prospect,
                                  ReusedRays& reused) {
   reused = {};
@@ -212,7 +211,7 @@ RayReuse::Reused RayReuse::reuse(const SurfacePoint& point, Pixel pixel, const R
       donations.add(four(donor->mirrored), four(donor->arriving), way.weight);
   }
   const float weight = point.weight, left = error_ - donations.reuse_lights(reused) * weight;
-  if (!(left >= 0.0f)) return Reused::nothing;  // what is not finite is traced
+  if (!(left >= 0.0f)) return Reused::nothing;  // not finite: it is traced
   reused.traces_mirrors = !(donations.reuse_mirror(reused) * weight <= left);
   if (!reused.traces_mirrors) return Reused::all;
   reused.has_mirror = false;
@@ -220,7 +219,7 @@ RayReuse::Reused RayReuse::reuse(const SurfacePoint& point, Pixel pixel, const R
   return prospect.offered == glm::vec3(0.0f) ? Reused::own_mirrors : Reused::nothing;
 }
 
-// Shades the points of alone_ by rays of their own.
+// Shades the points of alone_ with their own rays.
 void RayReuse::shade_alone(PointShader& shader, std::span<const SurfacePoint> points, glm::vec3* radiance) {
   if (alone_.empty()) return;
   alone_points_.clear();

@@ -1,8 +1,8 @@
-// Shades points, some of them with the rays of others. One pixel of four traces; the pixels around reuse its rays on the
-// same surface, as long as all their donors agree. A point without donors traces its own rays, and one whose donors agree
-// on the lights alone traces its mirrors. Surfaces, textures, normals, unblocked lights and cover are computed at every
-// point: only what mirrors show and the share of the lights that arrives are reused. They change slowly over a surface,
-// and where they do not, donors differ. Holds scratch memory: one object per thread.
+// Shades points, some of them with rays of other points. One pixel in four is a donor and traces rays; the pixels
+// around reuse its rays on the same surface if all their donors agree. A point without donors traces its own rays, and
+// one whose donors agree only on lights traces its own mirror rays. Surfaces, textures, normals, unshadowed lights and
+// cover are computed at every point. Only mirrored radiance and the visible share of lights are reused: they change
+// slowly over a surface, and where they do not, donors disagree. It has scratch memory: one object per thread.
 #pragma once
 
 #include <cstdint>
@@ -19,44 +19,46 @@ class RayReuse {
  public:
   struct Pixel {
     uint16_t x, y;
-    // Returns whether the pixel's points trace rays in any case, which others reuse.
+    // Returns whether the pixel is a donor, whose points always trace rays.
     bool is_donor() const { return (x + 2u * y) % 4 == 0; }
   };
 
-  // `error`: by how much donors may disagree on what a point adds to its pixel; 0 = every point traces its own rays.
+  // `error`: the maximum spread among donors in a point's contribution to its pixel; 0 = every point traces its own
+  // rays.
   void begin(float error) { error_ = error; }
   bool active() const { return error_ > 0.0f; }
 
-  // Writes the light that leaves the points; those of donor pixels come first. Returns how many points reused rays.
-  // `shader` is one that shares rays.
+  // Writes the outgoing light of the points, of which those of donor pixels must come first. Returns how many points
+  // reused rays. `shader` must support sharing().
   size_t shade(PointShader& shader, std::span<const SurfacePoint> points, std::span<const Pixel> pixels,
                glm::vec3* radiance);
-  // Returns what PointShader::rough() would say of the points of shade().
+  // Returns PointShader::rough() of the points of shade().
   std::span<const RoughReflection> rough() const { return rough_; }
 
  private:
-  // Holds a donor's surface, for comparison, and what its rays found: one cache line, read four numbers at once.
+  // Holds a donor's surface and its rays' results: one cache line, read four numbers at once.
   struct alignas(64) Donor {
     glm::vec3 position;
     uint32_t surface;  // instance and side
     glm::vec3 geometric_normal;
     uint32_t next;       // donor in the same pixel, or none
     glm::vec3 mirrored;  // as in RayAnswer
-    float nearness;      // likewise; negative = no mirror ray was traced
-    // What receivers need of its lights: the share of what they offer that arrives, and the greatest of what they offer.
+    float nearness;      // as in RayAnswer; negative = no mirror ray was traced
+    // For its lights: the visible share of their unshadowed light, and that light's largest channel.
     glm::vec3 arriving;
     float offered;
   };
   class Receiver;
   struct Slot {
-    uint32_t pixel, first;  // first donor there, or none
+    uint32_t pixel, first;  // first donor in the pixel, or none
   };
   static constexpr uint32_t none = 0xffffffffu;
 
   void list_donors(std::span<const SurfacePoint> points, std::span<const Pixel> pixels);
   Slot& slot(uint32_t pixel);
   const Donor* like(const Receiver& receiver, uint32_t first) const;
-  // `own_mirrors`: no light reaches the point, and it traces its mirrors' rays; `nothing`: it has to be shaded anew.
+  // `own_mirrors`: no light reaches the point, and it traces its own mirror rays; `nothing`: it must be shaded with its
+  // own rays.
   enum class Reused { nothing, own_mirrors, lights, all };
   Reused reuse(const SurfacePoint& point, Pixel pixel, const RayProspect& prospect, ReusedRays& reused);
   void shade_alone(PointShader& shader, std::span<const SurfacePoint> points, glm::vec3* radiance);
@@ -67,7 +69,7 @@ class RayReuse {
   std::vector<RayAnswer> answers_;
   std::vector<RayProspect> prospects_;
   std::vector<ReusedRays> reused_;
-  std::vector<uint32_t> alone_;  // points without donors
+  std::vector<uint32_t> alone_;  // points without usable donors
   std::vector<SurfacePoint> alone_points_;
   std::vector<glm::vec3> alone_radiance_;
   std::vector<RoughReflection> rough_;

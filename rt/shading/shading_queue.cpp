@@ -10,7 +10,7 @@ bool ShadingQueue::run(const Batch& batch, const std::atomic<bool>* cancelled) {
   std::unique_lock lock(mutex_);
   waiting_.push_back(&entry);
   changed_.notify_all();
-  // The caller waits, whatever happens, for a batch that has begun: it reads and writes the caller's memory.
+  // The caller must wait for a batch that has begun, because it reads and writes the caller's memory.
   while (entry.state == Entry::State::running || (entry.state == Entry::State::waiting && !entry.is_given_up()))
     changed_.wait(lock);
   if (entry.state == Entry::State::done) return true;

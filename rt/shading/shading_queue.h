@@ -1,5 +1,5 @@
-// Hands batches of a host's shader from tracing threads to a thread that the host is in (SIDERAY_SHADE_IN_CALLS). Any
-// number of threads may call on either side; batches run one at a time.
+// Passes batches of a host's shader from tracing threads to a thread on which the host is calling the library
+// (SIDERAY_SHADE_IN_CALLS). Any number of threads may call on either side; batches run one at a time.
 #pragma once
 
 #include <atomic>
@@ -15,17 +15,17 @@ class ShadingQueue {
  public:
   using Batch = std::function<void()>;
 
-  // Tracing threads call this: it returns when a serving thread has run `batch`. Returns false where the batch did not
-  // begin before `cancelled` became true and wake() was called. A deadline does not end the wait: a piece of work that has
-  // begun is finished, or a host whose shader is slow would never have an answer.
+  // Called by tracing threads: returns when a serving thread has run `batch`. Returns false if `cancelled` became true
+  // and wake() was called before the batch began. A deadline does not end the wait: a piece of work that has begun is
+  // finished, because otherwise a slow shader would never produce an answer.
   bool run(const Batch& batch, const std::atomic<bool>* cancelled);
 
-  // Host's threads call this: it runs what waits now and is not given up.
+  // Called by the host's threads: runs all waiting batches that are not cancelled.
   void serve();
-  // Runs what comes until done() or the time is out; calls done() again after each batch and each wake().
+  // Runs batches until done() or the end of the time; calls done() again after each batch and each wake().
   void serve_until(std::chrono::steady_clock::time_point end, const std::function<bool()>& done);
 
-  // Makes waiting threads check `cancelled`, or done(), again.
+  // Makes waiting threads check `cancelled` or done() again.
   void wake();
 
  private:
@@ -35,7 +35,7 @@ class ShadingQueue {
     enum class State { waiting, running, done } state;
     bool is_given_up() const { return cancelled && cancelled->load(); }
   };
-  // Takes the first batch that is not given up out of the queue; null = there is none.
+  // Removes the first batch that is not cancelled from the queue; null = there is none.
   Entry* take_next();
   void run_entry(Entry& entry, std::unique_lock<std::mutex>& lock);
 

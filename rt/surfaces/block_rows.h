@@ -1,4 +1,4 @@
-// Declares what the kernels that take hits sixteen at a time have in common. Plain arrays; any thread may use them.
+// Declares what all kernels that process sixteen hits at a time share. Plain arrays; any thread may use them.
 #pragma once
 
 #include <stdint.h>
@@ -7,7 +7,7 @@ namespace sideray::rt {
 
 inline constexpr uint32_t block_size = 16;
 
-// Holds one value of each hit of a block. Whoever makes one aligns it to 64 bytes.
+// Holds one value of each hit of a block. Its owner aligns it to 64 bytes.
 using BlockRow = float[block_size];
 
 // Refers to texels of three floats; width 0: black.

@@ -145,7 +145,7 @@ void set_reflectance(const Crossing& crossing, float cosine, shading::SrSurface&
   const glm::vec3 reflected = crossing.ior_to == 1.0f
                                   ? shading::sr_fresnel(surface.f0, surface.f90, cosine)
                                   : surface.f90 * dielectric_reflectance(cosine, crossing.ior_from, crossing.ior_to);
-  // So much leaves it in all, however rough it is.
+  // The reflectance in total, whatever the roughness.
   const float kept = surface.albedo_terms.x + surface.albedo_terms.y;
   surface.f0 = surface.f90 = glm::min(reflected, glm::vec3(1.0f)) / std::clamp(kept, 0.05f, 1.0f);
 }

@@ -30,11 +30,11 @@ static_assert(offsetof(SrTexels, occlusion) == row_occlusion * sizeof(float) &&
 
 using Use = OutputRecord::Use;
 
-// Says which channels of a slot's texture go to which rows, in the order of model::material_slots.
+// Maps channels of a slot's texture to rows, in the order of model::material_slots.
 struct Target {
   uint8_t first_channel, channels, row;
   Use use = Use::plain;
-  bool down = false;  // rows go down as channels go up
+  bool down = false;  // rows decrease as channels increase
 };
 
 constexpr std::array<Target, model::material_slot_count> targets{{
@@ -101,7 +101,7 @@ MaterialRecord material_record(const SrMaterial& m, const sideray_material_desc&
   return r;
 }
 
-// The words of a material of the fixed function. A texture that is not there changes nothing.
+// Returns the words of a fixed-function material. An absent texture changes nothing.
 FixedRecord fixed_record(const shading::SrFixedMaterial& m) {
   FixedRecord r{};
   static_assert(sizeof(m) <= sizeof(r.shading) && sizeof(m) + 4 * sizeof(float) > sizeof(r.shading));
@@ -135,7 +135,7 @@ void add_outputs(uint32_t slot, float occlusion_strength, std::vector<OutputReco
   }
 }
 
-// Appends a material's look-ups, whose outputs follow each other.
+// Appends a material's texture reads; their outputs are consecutive.
 uint32_t add_reads(std::span<const TextureRead> reads, float occlusion_strength, SceneRecords& records) {
   uint32_t added = 0;
   for (uint32_t i = 0; i < reads.size(); ++i) {
@@ -180,7 +180,7 @@ SceneRecords make_records(const model::Snapshot& snapshot, std::span<const SrMat
   size_t level_count = 0;
   for (const std::vector<TextureRead>& reads : textures)
     for (const TextureRead& read : reads) level_count += read.texture->levels.size();
-  r.levels.reserve(level_count);  // records point into it
+  r.levels.reserve(level_count);  // no reallocation: records point into it
   for (size_t m = 0; m < materials.size(); ++m) {
     const sideray_material_desc& desc = snapshot.materials[m].desc;
     r.materials.push_back(material_record(materials[m], desc, textures[m]));

@@ -1,4 +1,4 @@
-// Makes the records of a snapshot that the kernels of surfaces read. Immutable once made; any thread may read them.
+// Makes the records of a snapshot that surface kernels read. Immutable once made; any thread may read them.
 #pragma once
 
 #include <span>
@@ -11,21 +11,21 @@
 
 namespace sideray::rt {
 
-// They point into the snapshot, which the owner keeps.
+// Points into the snapshot, which the owner keeps alive.
 struct SceneRecords {
-  std::vector<InstanceRecord> instances;  // of the snapshot, and behind them those of its lines and points
+  std::vector<InstanceRecord> instances;  // of the snapshot, followed by those of its lines and points
   std::vector<MaterialRecord> materials;
   std::vector<ReadRecord> reads;
   std::vector<OutputRecord> outputs;
-  std::vector<FixedRecord> fixed;  // of a scene of the fixed function; else empty
+  std::vector<FixedRecord> fixed;  // in a scene of the fixed function; else empty
   FixedModelTerms model{};
   std::vector<LevelRecord> levels;
-  bool sprites = false;  // some instance is of sprites
+  bool sprites = false;  // some instance consists of sprites
 
   SurfaceTables tables() const;
 };
 
-// `textures` are the reads of each material; `fixed` is empty but in scenes of the fixed function.
+// `textures` are the reads of each material; `fixed` is empty except in scenes of the fixed function.
 SceneRecords make_records(const model::Snapshot& snapshot, std::span<const shading::SrMaterial> materials,
                           std::span<const shading::SrFixedMaterial> fixed,
                           std::span<const std::vector<TextureRead>> textures);

@@ -1,5 +1,5 @@
-// Compiled once for each instruction set (sideray_lanes() in rt/CMakeLists.txt; rt/base/lanes.h).
-// Any thread may call them.
+// Is compiled once for each instruction set (sideray_lanes() in rt/CMakeLists.txt; rt/base/lanes.h). Any thread may
+// call the kernels.
 #include "elementary/functions.h"
 #include "rt/base/lanes.h"
 #include "rt/surfaces/shade_kernels.h"
@@ -16,7 +16,7 @@ SIDERAY_LANE void store3(BlockRow (&rows)[3], int at, real3 v) {
   store(rows[0] + at, v.x), store(rows[1] + at, v.y), store(rows[2] + at, v.z);
 }
 
-// Goes through a block's rows in the order of SrSurface.
+// Reads a block's rows in the order of SrSurface.
 struct SurfaceReader {
   const BlockRow* row;
   int at;
@@ -69,7 +69,7 @@ SIDERAY_LANE void transpose_four(Four (&v)[4]) {
   v[3] = __builtin_shufflevector(ab1, cd1, 2, 3, 6, 7);
 }
 
-// Loads a block; the last point fills the lanes that are left over.
+// Loads a block; the last point fills unused lanes.
 void load_points(const float* points, uint32_t stride, uint32_t count, SurfaceBlock& block) {
   constexpr uint32_t rows = sizeof(SurfaceBlock) / sizeof(BlockRow);
   static_assert(rows % 4 == 0);
@@ -101,7 +101,7 @@ SIDERAY_LANE SrLight light_of(const LightTerms& terms) {
           terms.type};
 }
 
-// Returns which hits a light can reach at all: where it cannot, the rest of a surface need not be loaded.
+// Returns which hits the light can reach, so that the rest of a surface is loaded only for those.
 SIDERAY_LANE boolean reaches(const SurfaceBlock& block, int at, const SrIncidence& in) {
   constexpr int normal = 0, behind = 10;  // rows of an SrSurface
   SrSurface facing;
@@ -129,7 +129,7 @@ SIDERAY_LANE SrFixedLight fixed_light_of(const FixedLightTerms& t) {
           t.local_viewer};
 }
 
-// Computes what a light of the fixed function adds; highlights that are not added apart are in `lit`.
+// Computes the contribution of a fixed-function light; highlights go into `lit` unless they are `separate`.
 SIDERAY_LANE SrFixedGain fixed_gain(const SurfaceBlock& block, int at, const SrSurface& s, const SrFixedLight& light,
                                     const SrFixedIncidence& in, bool separate) {
   SrFixedGain gain = sr_fixed_gain(s, light, in, load3(block.to_eye, at));
@@ -203,7 +203,7 @@ void light_block(const SurfaceBlock& block, const LightTerms& terms, LightBlock&
   }
 }
 
-// Writes the lanes whose bit is set to `to`, one behind the other; what lies behind them is overwritten too.
+// Writes the lanes whose bit is set to consecutive floats at `to`; may overwrite more floats behind them.
 SIDERAY_LANE void pack_row(const BlockRow& row, uint32_t lanes, float* to) {
 #if defined(__AVX512F__) && SIDERAY_LANE_COUNT == 16
   _mm512_storeu_ps(to, _mm512_maskz_compress_ps(static_cast<__mmask16>(lanes), _mm512_load_ps(row)));
@@ -263,7 +263,7 @@ void blend_block(const SurfaceBlock& block, const BlockRow& modes, BlendBlock& r
   }
 }
 
-// Holds two neighbouring texels along one axis and the second one's weight.
+// Holds two neighbouring texels along one axis, and the second one's weight.
 struct Pair {
   integer first, second;
   real weight;
@@ -362,7 +362,7 @@ void places_of_lobes(const BlockRow (&normal)[3], const BlockRow (&mirror)[3], c
   }
 }
 
-// Holds sixteen bilinear look-ups: in which of the levels, which texels, and the weights of the second ones.
+// Holds sixteen bilinear look-ups: the level, the texels, and the weights of the second ones.
 struct alignas(64) SpecularBlock {
   int32_t level[block_size], corner[4][block_size];
   BlockRow x, y;
@@ -413,7 +413,7 @@ SIDERAY_LANE Four sample(const EnvironmentLevels& levels, const SpecularBlock& b
              mix(three(texels + b.corner[2][i]), three(texels + b.corner[3][i]), b.x[i]), b.y[i]);
 }
 
-// All texels are fetched ahead: one look-up after the other would spend most of its time waiting for memory.
+// Prefetches all texels, because single look-ups would spend most of their time waiting for memory.
 void specular_block(const EnvironmentLevels& levels, const BlockRow (&uv)[2], const BlockRow& roughness,
                     BlockRow (&radiance)[3]) {
   if (levels.uniform) {
@@ -446,7 +446,7 @@ void finish_block(const SurfaceBlock& block, const AroundBlock& around, BlockRow
     const SrSurface s = load_surface(block, at);
     const SrSurroundings light = {load3(around.irradiance, at), load3(around.behind, at), load3(around.specular, at),
                                   load3(around.coat, at)};
-    // Where a normal is NaN the look-ups return a number, and so must this.
+    // For a NaN normal the look-ups return a number, and so must this.
     const real cosine = abs(dot(s.normal, load3(block.to_eye, at)));
     const real n_v = sr_select(cosine > 0.0f, min(cosine, real(1.0f)), real(0.0f));
     store3(radiance, at, sr_emitted(s) + sr_environment(s, n_v, light));

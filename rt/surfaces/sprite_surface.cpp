@@ -21,12 +21,12 @@ SurfacePoint sprite_point(const model::Snapshot& snapshot, const Hit& hit, const
   point.to_eye = point.geometric_normal = place.mesh.normals[place.vertex];
   point.surface = shading::sr_sprite(place.color, point.to_eye, place.desc.lit != 0,
                                      shading::sr_soft_fade(gap, place.desc.soft_distance), point.blend);
-  if (snapshot.fixed) {  // it has no texture that adds, and one side
+  if (snapshot.fixed) {  // fixed function: no additive texture, one side is lit
     point.surface.coat_normal = glm::vec3(0.0f);
     point.surface.metallic = 1.0f;
   }
   point.blended = shading::sr_blend(point.surface, point.to_eye, point.blend);
-  // A sprite is lit as at its centre, whatever part of it is seen.
+  // The whole sprite is lit as its centre is.
   point.position = center;
   point.offset = 0x1p-20f * std::max({std::abs(center.x), std::abs(center.y), std::abs(center.z)});
   point.cone = {cone.width + cone.spread * static_cast<float>(hit.distance), cone.spread};

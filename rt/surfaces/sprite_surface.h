@@ -1,4 +1,4 @@
-// Turns hits on the quads of sprites (rt/poses/particle_quads.h) into surfaces. Any thread may call it.
+// Makes surfaces of hits on the quads of sprites (rt/poses/particle_quads.h). Any thread may call it.
 #pragma once
 
 #include "model/snapshot.h"
@@ -6,8 +6,8 @@
 
 namespace sideray::rt {
 
-// Does what surface_point() does, for an instance of quads. The ray ends at the nearest opaque surface: sprites fade
-// before it.
+// Does what surface_point() does, for an instance of quads. The ray must end at the nearest opaque surface, because
+// sprites fade in front of it.
 SurfacePoint sprite_point(const model::Snapshot& snapshot, const Hit& hit, const Ray& ray, Cone cone);
 
 }  // namespace sideray::rt

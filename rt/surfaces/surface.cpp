@@ -15,8 +15,8 @@ namespace {
 using shading::SrMaterial;
 using shading::SrSurface;
 
-// This is sixteen roundings, relative to the largest coordinate of the triangle: it separates a point interpolated in
-// here from the plane that Embree intersects after it has moved the ray into object space.
+// Sixteen roundings, relative to the triangle's largest coordinate: the distance between a point interpolated here and
+// the plane that Embree intersects after it has transformed the ray into object space.
 constexpr float rounding = 0x1p-20f;
 
 glm::vec3 to_vec3(const float* v) {
@@ -57,7 +57,7 @@ shading::SrLight shading_light(const model::Light& l) {
   return {l.position, l.direction, l.intensity, l.range, l.cos_inner, l.cos_outer, static_cast<int>(l.type)};
 }
 
-// Sets what the texture environment makes of texel and primary colour.
+// Sets how the texture environment combines texel and primary colour.
 void set_environment(shading::SrFixedMaterial& m, sideray_texture_environment environment, bool textured) {
   const bool decal = environment == SIDERAY_ENVIRONMENT_DECAL, replaces = environment == SIDERAY_ENVIRONMENT_REPLACE;
   m.of_none = decal || environment == SIDERAY_ENVIRONMENT_ADD || !textured ? 1.0f : 0.0f;
@@ -134,7 +134,7 @@ struct Patch {
   glm::vec3 weights;
   glm::vec3 front;  // unit geometric normal of the front face
   glm::vec3 edge1, edge2;
-  float largest;  // the largest coordinate that takes part in placing it
+  float largest;  // the largest coordinate in the transform of its corners
 };
 
 Patch make_patch(const model::Snapshot& snapshot, const Hit& hit) {
@@ -155,12 +155,12 @@ Patch make_patch(const model::Snapshot& snapshot, const Hit& hit) {
   return p;
 }
 
-// Returns the shading normal of the front face.
+// Returns the front face's shading normal.
 glm::vec3 smooth_normal(const Patch& p) {
   return unit_or(p.instance.normal_from_object * interpolate(p.mesh.normals, p.triangle, p.weights), p.front);
 }
 
-// Returns the world-space tangent of the front face; w = 0 where there is no frame.
+// Returns the front face's tangent in local space; w = 0 if there is none.
 glm::vec4 tangent_of(const Patch& p) {
   if (!p.mesh.has_tangents) return glm::vec4(0.0f);
   const glm::vec4 tangent = interpolate(p.mesh.tangents, p.triangle, p.weights);
@@ -170,19 +170,19 @@ glm::vec4 tangent_of(const Patch& p) {
   return {along * (1.0f / std::sqrt(squared)), p.instance.mirrored ? -tangent.w : tangent.w};
 }
 
-// Returns whether something on the surface lies along its tangent.
+// Returns whether the material needs a tangent frame.
 bool needs_frame(const sideray_material_desc& d, bool textured) {
   return d.anisotropy > 0.0f ||
          (textured && (d.normal_texture.texture != 0 || d.clearcoat_normal_texture.texture != 0));
 }
 
-// Returns z of the albedo table, where it counts.
+// Returns the sheen's albedo (z of the albedo table), or 0 without sheen.
 float sheen_albedo(const SrSurface& s, float n_v) {
   if (std::max({s.sheen.x, s.sheen.y, s.sheen.z}) <= 0.0f) return 0.0f;
   return albedo_and_sheen(model::albedo_table(), n_v, s.sheen_roughness).z;
 }
 
-// `front_normal`, `tangent`: of the front face, where the material is anisotropic.
+// `front_normal` and `tangent` are of the front face; only anisotropic materials use them.
 SrSurface seen_surface(const SrMaterial& material, const shading::SrTexels& texels, const SrSurface& away,
                        glm::vec3 to_eye, glm::vec3 front_normal, glm::vec4 tangent) {
   SrSurface s = shading::sr_facing(away, to_eye);
@@ -248,9 +248,9 @@ SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray&
   }
   glm::vec4 vertex_color(1.0f);
   if (patch.mesh.has_colors) vertex_color = interpolate(patch.mesh.colors, patch.triangle, patch.weights);
-  // The fixed function combines texture and vertex colour by its own rules.
+  // In the fixed function, vertex colour follows other rules.
   if (patch.mesh.has_colors && !scene.snapshot->fixed) textures.texels.base_color *= vertex_color;
-  // A solid absorbs once, where it is entered.
+  // A solid's thickness absorbs only where light enters it.
   if (patch.instance.solid && !hit.front) textures.texels.thickness = 0.0f;
   point.to_eye = -ray.direction;
   const SrSurface away = shading::sr_surface(factors, textures.texels, hit.front ? normal : -normal,

@@ -1,5 +1,5 @@
-// Turns a hit into the surface that the shading model sees there: interpolated attributes, textures, the side that was
-// hit. Immutable once built; any thread may use it.
+// Makes the surface of a hit for the shading model: interpolated attributes, textures, the side that was hit. Immutable
+// once built; any thread may use it.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -18,42 +18,43 @@ namespace sideray::rt {
 
 struct RefractionScene;
 
-// Holds a snapshot with its materials and lights in the shading model's own terms.
+// Holds a snapshot with its materials and lights in the shading model's structs.
 struct ShadingScene {
   explicit ShadingScene(std::shared_ptr<const model::Snapshot> committed);
 
   std::shared_ptr<const model::Snapshot> snapshot;
   std::vector<shading::SrMaterial> materials;      // textures not applied
-  std::vector<shading::SrFixedMaterial> fixed_materials;  // of a scene of the fixed function; else empty
-  std::vector<FixedLightTerms> fixed_lights;              // likewise: those that shadow rays go to come first
+  std::vector<shading::SrFixedMaterial> fixed_materials;  // in a scene of the fixed function; else empty
+  std::vector<FixedLightTerms> fixed_lights;              // the same; lights with shadows come first
   std::vector<std::vector<TextureRead>> textures;  // by material
-  std::vector<shading::SrLight> lights;            // those that emit anything at all
+  std::vector<shading::SrLight> lights;            // lights that emit anything
   std::vector<uint32_t> light_numbers;             // their indices in the snapshot
   SceneRecords records;                            // the same for kernels
-  // Where anything translucent throws a shadow (model::tints_light()), what light passes on its way to a point; else null.
+  // Is set if anything translucent casts a shadow (model::tints_light()): the media that light passes. Otherwise null.
   std::shared_ptr<const RefractionScene> glass;
 };
 
 // Returns the factors of dst = radiance * cover + dst * through.
 shading::SrBlend blend_of(const SurfacePoint& point);
 
-// Holds what the shading model has no use for.
+// Holds attributes that the shading model does not need.
 struct SurfaceAttributes {
   glm::vec2 uv[2];
-  glm::vec2 footprint[2][2];  // of each uv: along the longer diameter of the ray's cone, and across
-  glm::vec4 color, tangent;   // tangent: unit; w = 0 where there is none
+  glm::vec2 footprint[2][2];  // for each uv: along the longer diameter of the ray's cone, and across
+  glm::vec4 color, tangent;   // tangent: unit; w = 0 if there is none
   uint32_t primitive;         // as numbered by the caller
 };
 SurfaceAttributes surface_attributes(const model::Snapshot& snapshot, const SurfacePoint& point);
 
-// `ray` is the unit ray that made the hit, `cone` its cone at t = 0. SurfaceBatch does the same for many hits.
+// Makes the surface of a hit. `ray` is the unit ray that made it, `cone` its cone at t = 0. SurfaceBatch does the same
+// for many hits.
 SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray& ray, Cone cone);
 
-// Returns the surface of a material without regard to its textures, seen at an angle to its normal; `thick`: with the
-// absorption of its thickness. Not for anisotropic ones.
+// Returns the surface of an isotropic material without its textures, seen at an angle to its normal; `thick`: with the
+// absorption of its thickness.
 shading::SrSurface plain_surface(const ShadingScene& scene, uint32_t material, float cosine, bool thick);
 
-// Returns what the material's texture says of its thickness at a point, a factor of it: 1 where there is none.
+// Returns the factor by which the material's texture scales its thickness at a point: 1 if there is no texture.
 float thickness_texel(const ShadingScene& scene, const SurfacePoint& point);
 
 // Returns the unit normal on the side of the front face.

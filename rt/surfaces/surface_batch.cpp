@@ -29,11 +29,11 @@ static_assert(offsetof(SrSurface, albedo) == 3 * sizeof(float) && offsetof(SrSur
               offsetof(SrSurface, coat_share) == 41 * sizeof(float) &&
               offsetof(SrSurface, albedo_terms) == 44 * sizeof(float));
 
-// Separates the random numbers of drawn lights from others of the same key.
+// Separates the random numbers that sample lights from others of the same key.
 constexpr uint32_t light_purpose = 0x11a6b75u;
 
-// Random numbers of a place and not of a frame: what stands still draws the same lights in every frame, and does not
-// flicker; jittered pixels have other places, and average.
+// Makes random numbers depend on the position and not on the frame: points at rest sample the same lights in every
+// frame and do not flicker; jittered pixels have other positions and average.
 uint32_t key_of_place(glm::vec3 p) {
   return random_key({light_purpose, std::bit_cast<uint32_t>(p.x), std::bit_cast<uint32_t>(p.y), std::bit_cast<uint32_t>(p.z)});
 }
@@ -86,7 +86,7 @@ void store_point(const SurfacePoint& point, SurfaceBlock& block, size_t lane) {
   for (uint32_t r = 0; r < surface_words; ++r) rows[r][lane] = words[r];
 }
 
-// Makes the surfaces of up to sixteen hits, except sprites; the last one fills the lanes that are left over.
+// Makes the surfaces of up to sixteen hits, except sprites; the last one fills unused lanes.
 void make_solids(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
                  SurfaceBlock& block) {
   HitBlock places;
@@ -102,7 +102,7 @@ void make_solids(const ShadingScene& scene, const ShadeKernels& kernels, std::sp
   }
 }
 
-// Makes all of them.
+// Makes all surfaces of a block.
 void make_block(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
                 SurfaceBlock& block) {
   make_solids(scene, kernels, hits, block);
@@ -114,7 +114,7 @@ void make_block(const ShadingScene& scene, const ShadeKernels& kernels, std::spa
   }
 }
 
-// Returns the rows of a lobe, given the places of its members in a surface.
+// Returns the rows of a lobe, given the offsets of its members in a surface.
 LobeRows lobe_of(const SurfaceBlock& block, size_t normal, size_t roughness) {
   return {reinterpret_cast<const BlockRow(&)[3]>(block.surface[normal / sizeof(float)]),
           block.surface[roughness / sizeof(float)]};
@@ -124,7 +124,7 @@ const sideray_material_desc& material_of(const ShadingScene& scene, const HitPla
   return scene.snapshot->materials[scene.records.instances[place.hit->instance].material].desc;
 }
 
-// Says how the hits of a block are composited, except for sprites.
+// Computes how the hits of a block are composited, except sprites.
 void blend_block(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
                  const SurfaceBlock& block, BlendBlock& blends) {
   alignas(64) BlockRow modes;
@@ -140,7 +140,7 @@ shading::SrBlend blend_at(const BlendBlock& blends, size_t lane) {
   return {blends.cover[lane], vector_at(blends.through, lane)};
 }
 
-// Computes what is not stored in blocks.
+// Fills the fields that blocks do not store.
 void finish_point(const ShadingScene& scene, const HitPlace& place, SurfacePoint& point) {
   const Hit& hit = *place.hit;
   const sideray_material_desc& desc = material_of(scene, place);
@@ -412,7 +412,7 @@ void SurfaceBatch::blend(std::span<const HitPlace> hits, shading::SrBlend* blend
   for (size_t i = 0; i < hits.size(); ++i) weights_[i] *= blends[i].cover;
 }
 
-// Fills candidates_, and adds up what they gain.
+// Fills candidates_, and adds up their gains.
 void SurfaceBatch::list_candidates(size_t b, BlockRow& total, glm::vec3* offered) {
   const size_t first = b * block_size;
   const uint32_t all = first + block_size > count_ ? (1u << (count_ - first)) - 1u : 0xffffu;
@@ -434,8 +434,8 @@ void SurfaceBatch::list_candidates(size_t b, BlockRow& total, glm::vec3* offered
   }
 }
 
-// Samples systematically: a point's lights lie behind one another on a line, each as long as its gain, and those are
-// drawn that a comb with one random offset hits. So the number of rays varies by no more than one.
+// Samples systematically: a point's lights lie end to end on a line, each as long as its gain, and a comb with one
+// random offset selects lights. So the number of rays varies by at most one.
 void SurfaceBatch::draw(size_t b, const LightOdds& odds, float share, ShadowRays& rays, glm::vec3* offered) {
   constexpr float least_weight = 1e-9f;
   const size_t first = b * block_size;

@@ -1,5 +1,5 @@
-// Holds hits as arrays of numbers and shades them sixteen at a time (rt/surfaces/shade_kernels.h). Traces no rays.
-// Holds scratch memory: one object per thread.
+// Holds hits as arrays of numbers and shades them sixteen at a time (rt/surfaces/shade_kernels.h). It traces no rays
+// and has scratch memory: one object per thread.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -13,7 +13,7 @@
 
 namespace sideray::rt {
 
-// Names a hit, the unit ray that made it, and its cone at t = 0. Whoever fills it keeps both.
+// Names a hit, the unit ray that made it, and the ray's cone at t = 0. Its owner keeps hit and ray alive.
 struct HitPlace {
   const Hit* hit;
   const Ray* ray;
@@ -21,29 +21,29 @@ struct HitPlace {
   float weight = 1.0f;  // SurfacePoint::weight
 };
 
-// Says how much light in the pixel a shadow ray represents. A light that adds `most` or more is traced for sure.
-// Fainter ones are drawn: each ray represents all that lights add at the point, but at most `most` and at least
-// `least`.
+// Says how much of the pixel's light a shadow ray represents. A light that adds at least `most` always gets a ray.
+// Fainter lights are sampled: each ray then represents the sum of all lights at the point, limited to `least` ..
+// `most`.
 struct LightOdds {
   float least, most;
 };
 
-// Makes what surface_point() makes of each hit, bit for bit. `kernels` are those of the instruction set.
+// Makes the surface of each hit, with the same bits as surface_point(). `kernels` are those of the instruction set.
 void make_surfaces(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
                    SurfacePoint* points);
-// Appends the same.
+// Does the same, and appends the surfaces to `points`.
 void append_surfaces(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
                      std::vector<SurfacePoint>& points);
 
-// Holds shadow rays by component, and the light that each adds to its point if unoccluded. Its memory never shrinks.
+// Holds shadow rays by component, and the unoccluded light that each adds to its point. Its memory never shrinks.
 class ShadowRays {
  public:
   size_t size() const { return count_; }
   void clear() { count_ = 0; }
-  // Makes room for so many more.
+  // Makes room for `more` rays.
   void reserve(size_t more);
   void append(const ShadeKernels& kernels, const LightBlock& light, float share, uint32_t point);
-  // Returns the highlight that the fixed function adds apart; where it does not, the number means nothing.
+  // Returns the highlight that the fixed function adds after texturing; undefined if it does not separate highlights.
   glm::vec3 shine(size_t ray) const { return {shine_[0][ray], shine_[1][ray], shine_[2][ray]}; }
   RayColumns columns() const;
   uint32_t point(size_t ray) const { return points_[ray]; }
@@ -51,27 +51,27 @@ class ShadowRays {
 
  private:
   std::vector<float> origin_[3], direction_[3], gain_[3], shine_[3], t_far_;
-  std::vector<float> t_near_;  // 0
+  std::vector<float> t_near_;  // all 0
   std::vector<uint32_t> points_;
   size_t count_ = 0;
 };
 
-// Indirect light at a point: thrown = the radiance of a white diffuse surface lit by other surfaces alone; open = the
-// unoccluded share of the sky's light.
+// Holds the indirect light at a point. thrown: radiance of a white diffuse surface that only other surfaces light.
+// open: unoccluded share of the sky's light.
 struct ArrivingLight {
   glm::vec3 thrown{0.0f}, open{1.0f};
 };
 
-// A point of a batch as rays leave it.
+// Describes a point of a batch as the start of rays.
 struct PointAround {
-  glm::vec3 origin;  // of rays that do not hit the surface itself
+  glm::vec3 origin;  // offset, so that rays do not hit the surface itself
   glm::vec3 normal;  // the geometric one
   float width;       // of a pixel there
   float weight;      // of its light in the pixel
   uint32_t key;      // of random numbers: the place's
 };
 
-// Refers to what a block's surfaces say of one of their lobes.
+// Refers to the rows of one lobe of a block's surfaces.
 struct LobeRows {
   const BlockRow (&normal)[3];
   const BlockRow& roughness;
@@ -79,66 +79,66 @@ struct LobeRows {
 
 class SurfaceBatch {
  public:
-  // The caller keeps the scene. `isa` is named as Embree does. `viewer`: the way to the viewer, for a fixed function
-  // without a local one.
+  // The caller keeps the scene alive. `isa` has Embree's names. `viewer` is the direction to the viewer, for a fixed
+  // function without a local viewer.
   void begin(const ShadingScene& scene, const std::string& isa, glm::vec3 viewer = {0, 0, 1});
 
-  // Returns how many lights shadow rays go to: the scene's, or those of its fixed function.
+  // Returns how many lights have shadow rays: the scene's, or those of its fixed function.
   size_t lights() const { return scene_->snapshot->fixed ? shadowed_ : scene_->lights.size(); }
 
-  // Takes the points over, and fills around() except for what the mirror directions show, which starts black.
+  // Copies the points and fills around(), except for light from the mirror directions, which starts black.
   void load(std::span<const SurfacePoint> points);
-  // The same with the surfaces of hits.
+  // Makes the hits' surfaces and does the same with them.
   void load(std::span<const HitPlace> hits);
 
-  // Darkens the sky's light at the points by its visible shares: one `shares` a block.
+  // Darkens the sky's light at the points by its visible shares; `shares` has one entry a block.
   void hide_sky(std::span<const SkyShares> shares);
 
-  // Returns whether anything of a point is matt.
+  // Returns whether the point has a diffuse part.
   bool is_matt(size_t point) const;
   PointAround point_around(size_t point) const;
-  // Replaces the unoccluded sky's irradiance of diffuse surfaces by what arrives.
+  // Replaces the unoccluded sky's irradiance of diffuse surfaces by the arriving light.
   void let_arrive(std::span<const ArrivingLight> arriving);
-  // The same for the mirrored environment, which reflect_environment() has filled in.
+  // Does the same for the mirrored environment, which reflect_environment() must have filled in.
   void let_arrive_in_mirrors(std::span<const ArrivingLight> arriving);
 
-  // Lets the mirror directions show the prefiltered environment.
+  // Fills in the prefiltered environment as light from the mirror directions.
   void reflect_environment();
-  // The same for the lanes of one block whose bit is set, without coats.
+  // Does so for the lanes of one block whose bit is set, without coats.
   void reflect_environment(size_t block, uint32_t lanes);
 
-  // Writes what environment_specular_at() says of each place, bit for bit.
+  // Writes environment_specular_at() of each place, with the same bits.
   void surroundings(std::span<const EnvironmentPlace> places, glm::vec3* radiance) const;
 
-  // Writes radiance[i] = emission and light from the surroundings of point i. With the fixed function: what is lit without
-  // shadow rays; show() does the rest.
+  // Writes radiance[i] = emission and light from the surroundings of point i. With the fixed function it writes the
+  // light that needs no shadow rays; show() does the rest.
   void finish(glm::vec3* radiance);
-  // Where the fixed function shades: makes what is lit, and shine(), the displayed values. Else changes nothing.
+  // In scenes of the fixed function, turns light and shine() into displayed values. Otherwise it changes nothing.
   void show(glm::vec3* radiance);
-  // Returns whether the fixed function adds highlights behind textures: they are in shine(), which light is added to
+  // Returns whether the fixed function adds highlights after texturing. They are in shine(), to which lights are added
   // after finish().
   bool is_separate() const { return scene_->snapshot->fixed && scene_->snapshot->fixed->separate_specular; }
   glm::vec3* shine() { return shine_.data(); }
 
-  // Does what finish() does, and adds all lights of the scene, with nothing in their way.
+  // Does what finish() does, and adds all lights of the scene unoccluded.
   void finish_unblocked(glm::vec3* radiance);
 
-  // Writes what all lights() add, with nothing in their way. `shine`, of it what is added behind textures, may be null.
+  // Writes the sum of all lights(), unoccluded. `shine` receives the part added after texturing, and may be null.
   void unblocked(glm::vec3* radiance, glm::vec3* shine = nullptr);
 
   // Says what blend_of() says of each point, and weighs each by its cover. `hits` are those that were loaded.
   void blend(std::span<const HitPlace> hits, shading::SrBlend* blends);
 
-  // Draws lights for the points of one block, and appends their shadow rays, which end at this share of the way. The gain
-  // of a light that is drawn grows as its odds fall, so that on average the rays gain what all lights add. Adds what they
-  // add to `offered`, where it is not null, which counts from the batch's first point.
+  // Samples lights for the points of one block and appends their shadow rays, which end at `share` of the distance. A
+  // sampled light's gain is divided by its probability, so that the rays add the sum of all lights on average. Unless
+  // `offered` is null, adds that sum to it; it is indexed from the batch's first point.
   void draw(size_t block, const LightOdds& odds, float share, ShadowRays& rays, glm::vec3* offered);
 
-  // Appends the shadow rays of the points that gain from the light, which end at this share of the way to it.
+  // Appends the shadow rays of the points that the light reaches; they end at `share` of the distance to it.
   void gather(size_t light, float share, ShadowRays& rays);
-  // Computes what the light adds to every block's points.
+  // Computes the light's contribution to the points of all blocks.
   std::span<const LightBlock> light(const shading::SrLight& light);
-  // The same of one block, lanes behind the last point included.
+  // Does so for one block, including lanes behind the last point.
   void light(size_t block, const shading::SrLight& light, LightBlock& result) const;
 
   size_t size() const { return count_; }
@@ -147,7 +147,7 @@ class SurfaceBatch {
   std::span<const AroundBlock> around() const { return around_; }
 
  private:
-  // Holds what draw() needs of a light: its block, and the greatest channel of each gain.
+  // Holds the data of a light that draw() needs: its block, and the largest channel of each gain.
   struct Candidate {
     LightBlock light;
     BlockRow size;
@@ -167,12 +167,12 @@ class SurfaceBatch {
   std::vector<SurfaceBlock> blocks_;
   std::vector<AroundBlock> around_;
   std::vector<LightBlock> lights_;
-  std::vector<Candidate> candidates_;  // of one block, one a light
+  std::vector<Candidate> candidates_;  // of one block, one entry a light
   std::vector<float> weights_, widths_;
   std::vector<uint32_t> keys_;
   EnvironmentLevels levels_{};
-  std::vector<FixedLightTerms> fixed_lights_;  // those of the scene, seen by the viewer
-  size_t shadowed_ = 0;                        // so many of them, the first ones, have shadows
+  std::vector<FixedLightTerms> fixed_lights_;  // the scene's, for this viewer
+  size_t shadowed_ = 0;                        // the first so many of them have shadows
   std::vector<glm::vec3> shine_;
 };
 

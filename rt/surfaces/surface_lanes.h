@@ -1,13 +1,13 @@
-// Contains the part of the kernels (rt/surfaces/shade_lanes.cpp, which includes it) that makes surfaces of hits.
-// Memory is read hit by hit, four numbers at once, with what is needed next fetched ahead; the arithmetic runs in
-// lanes. Each step does what surface_point() does, operation by operation: the bits are the same.
+// Contains the kernels that make surfaces of hits, a part of rt/surfaces/shade_lanes.cpp. Memory is read hit by hit,
+// four numbers at once, with prefetching; the arithmetic runs in lanes. Each step does what surface_point() does,
+// operation by operation, so the bits are the same.
 #pragma once
 
 #include "rt/surfaces/surface_records.h"
 
 namespace sideray::rt::SIDERAY_LANES {
 
-// Sixteen roundings, relative to the largest coordinate of the triangle: as in surface.cpp.
+// Sixteen roundings, relative to the triangle's largest coordinate, as in surface.cpp.
 constexpr float share_of_rounding = 0x1p-20f;
 
 // Transposes: rows[r][i] = from[i][r], for `count` rows, a multiple of four.
@@ -33,12 +33,12 @@ SIDERAY_LANE Four turned(const float (*columns)[4], Four v) {
   return four(columns[0]) * v[0] + four(columns[1]) * v[1] + four(columns[2]) * v[2];
 }
 
-// Holds what is read of a hit: one number more than edges, normal and position have goes into their fourth.
+// Holds the data read for a hit. The unused fourth components hold another number.
 struct alignas(16) Patch {
-  Four edge1;     // and the largest coordinate that takes part in placing the triangle
-  Four edge2;     // and 1 where the instance is mirrored
+  Four edge1;     // fourth: the largest coordinate in the transform of the corners
+  Four edge2;     // fourth: 1 if the instance is mirrored
   Four normal;    // not unit
-  Four position;  // and 1 where a volume is left: its thickness counts where it is entered
+  Four position;  // fourth: 1 if the ray leaves a volume, whose thickness absorbs only on entering
   Four tangent;   // not unit
 };
 
@@ -106,7 +106,7 @@ SIDERAY_LANE real3 unit_or(real3 v, real3 otherwise) {
   return sr_select(sound, v * (1.0f / sqrt(squared)), otherwise);
 }
 
-// Computes texture_footprint(): along x, y, across x, y.
+// Computes texture_footprint(): x and y along the longer diameter, then across.
 SIDERAY_LANE void store_footprint(real3 edge1, real3 edge2, real3 normal, real3 direction, real width,
                                   BlockRow (&rows)[4], int at) {
   const real squared_area = dot(normal, normal);
@@ -127,16 +127,17 @@ SIDERAY_LANE void store_footprint(real3 edge1, real3 edge2, real3 normal, real3 
   put(3, dot(short_axis, to_third));
 }
 
-// Look-ups of textures, sixteen at a time, whichever hits and textures they are of: rt/textures/texture_sample.cpp.
+// The functions below sample textures, sixteen look-ups at a time, of any hits and textures:
+// rt/textures/texture_sample.cpp.
 
-// Names a look-up of a hit.
+// Names one texture look-up of a hit.
 struct Sample {
   const ReadRecord* read;
   const float* place;  // coordinates() of the hit
   uint32_t hit;
 };
 
-// Writes eight numbers: texture coordinates of the hit, then those of the triangle's edges.
+// Writes eight numbers: texture coordinates of the hit, then their differences along the triangle's edges.
 SIDERAY_LANE void coordinates(const float* uv, const Corners& c, float* place) {
   const float *u0 = uv + uint64_t{2} * c.vertex[0], *u1 = uv + uint64_t{2} * c.vertex[1],
               *u2 = uv + uint64_t{2} * c.vertex[2];
@@ -149,7 +150,7 @@ SIDERAY_LANE void coordinates(const float* uv, const Corners& c, float* place) {
 }
 
 SIDERAY_LANE real floor_of(real x) {
-  // From 2^23 on every float is whole.
+  // From 2^23 on every float is an integer.
   const boolean has_parts = abs(x) < 0x1p23f;
   return sr_select(has_parts, floor(sr_select(has_parts, x, real(0.0f))), x);
 }
@@ -181,8 +182,8 @@ SIDERAY_LANE void store_integers(float* bits, integer v) {
   store(bits, real(as_float(v.v)));
 }
 
-// Holds sixteen look-ups of one level: its size (integers' bits), the texels' numbers (the same), and the weights of
-// the second ones along x and y.
+// Holds sixteen look-ups in one mip level: its size and the texels' indices, both as integers' bits, and the weights of
+// the second texels along x and y.
 struct alignas(64) LevelBlock {
   BlockRow size[2], texel[4], weight[2];
   const uint8_t* rgba[block_size];
@@ -192,13 +193,13 @@ struct alignas(64) SampleBlock {
   BlockRow map[8];                 // ReadRecord::map, width, height
   BlockRow place[8];               // coordinates()
   BlockRow hit, nearest, wrap[2];  // integers' bits
-  BlockRow squared;                // of the longer diameter, in texels
+  BlockRow squared;                // of the longer diameter, in texels squared
   BlockRow st[2];
   LevelBlock levels[2];
   BlockRow weight;  // of the coarser level
 };
 
-// Fills what a look-up reads of its texture and its hit.
+// Fills in the data of a look-up's texture and hit.
 SIDERAY_LANE void gather_samples(const Sample (&samples)[block_size], SampleBlock& block) {
   const float *maps[block_size], *places[block_size];
   int32_t hit[block_size], nearest[block_size], wrap[2][block_size];
@@ -235,7 +236,7 @@ SIDERAY_LANE void set_level(const LevelRecord& level, LevelBlock& block, uint32_
   __builtin_memcpy(&block.size[1][i], &level.height, sizeof(int32_t));
 }
 
-// Chooses the levels of a look-up.
+// Chooses the two mip levels of a look-up.
 SIDERAY_LANE void choose_levels(const ReadRecord& read, SampleBlock& block, uint32_t i) {
   const float squared = block.squared[i];
   const float level = read.leveled && squared > 1.0f ? 0.5f * elementary::log2(squared) : 0.0f;
@@ -247,7 +248,7 @@ SIDERAY_LANE void choose_levels(const ReadRecord& read, SampleBlock& block, uint
   set_level(read.levels[block.weight[i] != 0.0f ? index + 1 : index], block.levels[1], i);
 }
 
-// Names the texels of a level, and how they are weighed: a nearest look-up gives its only one the whole weight.
+// Finds the texels of a level and their weights; a nearest look-up gives its only texel the whole weight.
 SIDERAY_LANE void find_texels(const SampleBlock& b, LevelBlock& level, int at) {
   const integer nearest = load_integers(b.nearest + at);
   const boolean one{nearest.v};
@@ -270,7 +271,7 @@ SIDERAY_LANE real decoded(integer codes, int channel, const float* srgb) {
   return srgb && channel < 3 ? gather(srgb, code) : to_real(code) * (1.0f / 255.0f);
 }
 
-// Filters a level: `codes` are its texels.
+// Filters a level; `codes` are its texels.
 SIDERAY_LANE real filtered(const LevelBlock& level, const integer (&codes)[4], int channel, const float* srgb, int at) {
   const real x = load(level.weight[0] + at), y = load(level.weight[1] + at);
   const auto texel = [&](int k) { return decoded(codes[k], channel, srgb); };
@@ -288,7 +289,7 @@ SIDERAY_LANE void fetch_texels(const LevelBlock& level, TexelCodes& codes) {
     }
 }
 
-// Makes sixteen look-ups; `srgb` is null where none of them is of a texture with such colours, and all are otherwise.
+// Makes sixteen look-ups; `srgb` is null if all textures are linear, and set if all have sRGB colours.
 SIDERAY_LANE void sample_textures(const Sample (&samples)[block_size], const BlockRow (&footprint)[4],
                                   const float* srgb, BlockRow (&values)[4]) {
   SampleBlock b;
@@ -351,7 +352,7 @@ inline __attribute__((noinline)) void make_look_ups(const SurfaceTables& tables,
   list.count = 0;
 }
 
-// Holds what hits have of textures and vertex colours. `any` false: nothing was written.
+// Holds textures' values and vertex colours of hits. `any` false: nothing was written.
 struct alignas(64) TexelBlock {
   BlockRow rows[texel_rows];
   bool any;
@@ -427,7 +428,7 @@ SIDERAY_LANE SrMaterial load_material(const MaterialBlock& material, int at) {
   return m;
 }
 
-// Computes the share of light that volumes let through with the exponential that single hits are shaded with.
+// Computes the transmittance of volumes, with the same exponential as for single hits.
 SIDERAY_LANE void fill_volumes(const MaterialBlock& material, const BlockRow* thickness, const BlockRow& leaves,
                                uint32_t absorbing, BlockRow (&volume)[3]) {
   for (int c = 0; c < 3; ++c)
@@ -443,7 +444,7 @@ SIDERAY_LANE void fill_volumes(const MaterialBlock& material, const BlockRow* th
   }
 }
 
-// Stores all but what sr_seen() fills.
+// Stores everything that sr_seen() does not fill.
 SIDERAY_LANE void store_surface(const SrSurface& s, SurfaceBlock& block, int at) {
   BlockRow* row = block.surface;
   const auto one = [&](real v) { store(*row++ + at, v); };
@@ -456,7 +457,7 @@ SIDERAY_LANE void store_surface(const SrSurface& s, SurfaceBlock& block, int at)
   three(s.along), one(s.anisotropy);
 }
 
-// Returns where model::AlbedoTable is sampled: both ends are texel centres.
+// Returns the coordinate of x in model::AlbedoTable, whose ends are texel centres.
 SIDERAY_LANE real place_in_table(real x, float size) {
   return (x * (size - 1.0f) + 0.5f) * (1.0f / size);
 }
@@ -502,14 +503,14 @@ SIDERAY_LANE real4 tangent_of(const PatchBlock& patches, int at) {
           sr_select(framed, load(patches.sign + at), zero)};
 }
 
-// Bends a normal by a map, where the material has normal maps.
+// Perturbs a normal by a map, if the material has normal maps.
 SIDERAY_LANE real3 perturbed(real3 normal, real4 tangent, const BlockRow (&map)[3], const BlockRow& scale,
                              boolean perturbs, int at) {
   return sr_select(perturbs, sr_perturb(normal, tangent, load3(map, at), load(scale + at)), normal);
 }
 
 struct HitReads {
-  uint32_t textured, absorbing, colored, perturbed;  // hits, as bits
+  uint32_t textured, absorbing, colored, perturbed;  // bits of hits
 };
 
 SIDERAY_LANE HitReads gather_hits(const SurfaceTables& tables, const HitBlock& hits, PatchBlock& patches,
@@ -565,7 +566,7 @@ SIDERAY_LANE void read_block(const SurfaceTables& tables, const HitBlock& hits, 
   for (uint32_t bits = reads.colored; bits != 0; bits &= bits - 1) {
     const auto i = static_cast<uint32_t>(__builtin_ctz(bits));
     const Four color = corners_of(tables, hits, i).weigh(tables.instances[hits.instance[i]].colors, 4);
-    // The fixed function looks at both apart.
+    // The fixed function uses texture and vertex colour separately.
     constexpr uint32_t apart[] = {row_diffuse_transmission_color, row_diffuse_transmission_color + 1,
                                   row_diffuse_transmission_color + 2, row_diffuse_transmission};
     for (uint32_t k = 0; k < 4; ++k)
@@ -587,7 +588,7 @@ SIDERAY_LANE SrFixedMaterial load_fixed(const BlockRow* rows, int at) {
   return m;
 }
 
-// Makes the surfaces of a block those of the fixed function.
+// Replaces the surfaces of a block by fixed-function ones.
 void fix_surfaces(const SurfaceTables& tables, const HitBlock& hits, const MaterialBlock& materials,
                   const TexelBlock& texels, SurfaceBlock& block) {
   alignas(64) BlockRow rows[FixedRecord::words];
@@ -649,10 +650,10 @@ void surfaces_of_hits(const SurfaceTables& tables, const HitBlock& hits, Surface
     const SrMaterial m = load_material(materials, at);
     t.thickness = real(0.0f);
     const real3 to_eye = load3(block.to_eye, at);
-    // The normals face the eye before the rest is made, as sr_facing() would turn them: it would copy the surface.
+    // The normals are turned toward the eye first; sr_facing() would copy the whole surface to do so.
     SrSurface s = sr_surface(m, t, sr_toward_eye(sr_select(front, normal, -normal), to_eye),
                              sr_toward_eye(sr_select(front, coat_normal, -coat_normal), to_eye));
-    // The lanes' exponential is not the one that sr_surface() calls for a single hit: it was given no volume.
+    // This sr_surface() computes no volume, because its exponential differs from that of single hits.
     const real transmission = sr_saturate(m.transmission * t.transmission) * (1.0f - s.metallic);
     s.tint = sr_times(s.albedo, load3(volume, at)) * transmission;
     if (sr_any(m.anisotropy > 0.0f)) s = sr_brushed(s, m, t, load3(smooth, at), tangent_of(patches, at));

@@ -1,4 +1,4 @@
-// Describes a point of a surface as the shading model sees it. Plain values; any thread may use them.
+// Describes a point of a surface for the shading model. Plain values; any thread may use them.
 #pragma once
 
 #include <cstdint>
@@ -10,14 +10,14 @@
 
 namespace sideray::rt {
 
-// Holds what a host's shader says of a point.
+// Holds the result of a host's shader at a point.
 struct HostAnswer {
   glm::vec3 radiance{0.0f};
   shading::SrBlend blend{};
   glm::vec3 reflectance{0.0f}, reflection{0.0f};  // direction: unit, out of the surface
 };
 
-// The frame and the alphas of the base's lobe.
+// Return the frame and the alphas of the base's lobe.
 inline model::Frame frame_of_base(const shading::SrSurface& s) {
   return s.anisotropy > 0.0f ? model::Frame(s.normal, s.along) : model::Frame(s.normal);
 }
@@ -30,18 +30,18 @@ struct SurfacePoint {
   glm::vec3 position;
   glm::vec3 geometric_normal;  // unit, on the viewer's side
   glm::vec3 to_eye;            // unit
-  float offset;      // along the geometric normal; a ray that starts there does not hit the surface it comes from
-  Cone cone;         // from the point on: width here, spread per unit of distance
+  float offset;      // along the geometric normal, so that a ray starting there does not hit its own surface
+  Cone cone;         // starting at the point: width there, spread per unit of distance
   float distortion;  // the material's
   int blend;         // sideray_blend_mode
-  uint32_t key;      // for random numbers here: made of pixel, position and layer (rt/base/sampling.h)
-  Hit hit;           // the hit that this is the point of
-  shading::SrBlend blended;            // sr_blend() of the surface; whoever changes the surface computes it anew
-  float weight = 1.0f;  // of its light in the pixel, in the channel where that is greatest; 1 = an upper bound
-  const HostAnswer* answer = nullptr;  // the host's, where there is one; owned by its giver
+  uint32_t key;      // for random numbers, made of pixel, position and layer (rt/base/sampling.h)
+  Hit hit;           // where the point lies
+  shading::SrBlend blended;            // sr_blend() of the surface; to be recomputed by code that changes the surface
+  float weight = 1.0f;  // upper bound of the share of its light in the pixel, in any channel
+  const HostAnswer* answer = nullptr;  // the host shader's, or null; owned by the code that set it
 };
 
-// Returns where a ray that leaves the point's surface starts.
+// Returns the start of a ray that leaves the point's surface.
 inline glm::vec3 start_of_ray(const SurfacePoint& p) {
   return p.position + p.geometric_normal * p.offset;
 }

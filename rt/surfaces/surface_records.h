@@ -1,5 +1,5 @@
-// Holds what the kernels of surfaces (rt/surfaces/surface_lanes.h) read of a snapshot: plain numbers and plain
-// pointers into it. Names no types of GLM or the library. Immutable once built; any thread may read it.
+// Holds the data of a snapshot that surface kernels read (rt/surfaces/surface_lanes.h): plain numbers, and pointers
+// into the snapshot. Names no types of GLM or the standard library. Immutable once built; any thread may read it.
 #pragma once
 
 #include <stdint.h>
@@ -13,21 +13,22 @@ struct alignas(64) InstanceRecord {
   float columns[4][4];                                   // local_from_object; the fourth row is 0
   float normal_columns[3][4];                            // normal_from_object
   const uint32_t* triangles;                             // three vertices each
-  const float *positions, *normals, *tangents, *colors;  // 3, 3, 4, 4 floats each; the last two null: the mesh has none
+  const float *positions, *normals, *tangents, *colors;  // 3, 3, 4, 4 floats each; tangents and colors are null if the
+                                                         // mesh has none
   const float* uv[2];                                    // two floats each
   uint32_t material;
   bool mirrored, solid;
-  bool sprites;  // the kernels do not take it
+  bool sprites;  // kernels skip it
 };
 
-// Holds the words of an SrMaterial, in its order, and what else counts. Padded to a multiple of four rows.
+// Holds the words of an SrMaterial, in its order, and flags. Padded to a multiple of four rows.
 struct alignas(16) MaterialRecord {
   static constexpr uint32_t words = 38, rows = 44;
-  float shading[words];  // the last two are integers: alpha mode; all bits where unlit
+  float shading[words];  // the last two are integers: alpha mode; all bits set if unlit
   float perturbs;        // 1: a normal map bends the normals
   float normal_scale, coat_normal_scale;
   float absorbs;  // 1: the volume absorbs light
-  float framed;   // 1: tangents count
+  float framed;   // 1: its surface needs tangents
   uint32_t first_read, reads;
 };
 
@@ -47,7 +48,7 @@ struct LevelRecord {
   int32_t width, height;
 };
 
-// Rows of a block that hold the textures' values: the words of an SrTexels, in its order, then the two normals.
+// Rows of a block that hold textures' values: the words of an SrTexels, in its order, then the two normals.
 enum TexelRow : uint8_t {
   row_base_color = 0,
   row_emissive = 4,
@@ -74,7 +75,7 @@ enum TexelRow : uint8_t {
   texel_rows = 37
 };
 
-// Describes a look-up of a texture. Look-ups of one place that go to several slots are one.
+// Describes a texture look-up. Look-ups with the same coordinates that serve several slots are merged.
 struct alignas(16) ReadRecord {
   enum Wrap : int32_t { repeat, mirror, clamp };
   float map[6];         // of sideray_texture_slot
@@ -87,7 +88,7 @@ struct alignas(16) ReadRecord {
   uint32_t first_output, outputs;
 };
 
-// Says which row takes a channel of a look-up, and how.
+// Says which row receives a channel of a look-up, and how.
 struct OutputRecord {
   enum class Use : uint8_t { plain, normal, occlusion };
   uint8_t channel, row;
@@ -101,10 +102,10 @@ struct SurfaceTables {
   const MaterialRecord* materials;
   const ReadRecord* reads;
   const OutputRecord* outputs;
-  const float* srgb;  // what each of 256 codes is worth
+  const float* srgb;  // values of the 256 sRGB codes
   TexelView albedo;
-  const FixedRecord* fixed;  // of each material, in a scene of the fixed function; else null
-  FixedModelTerms model;     // likewise
+  const FixedRecord* fixed;  // by material, in a scene of the fixed function; else null
+  FixedModelTerms model;     // in a scene of the fixed function
 };
 
 // Holds sixteen hits, none of them on sprites.

@@ -6,8 +6,8 @@
 namespace sideray::rt {
 namespace {
 
-// Returns the texels of one axis that look-ups in a cell can read: its own, one more on both sides, and past the
-// picture's ends those of the other end too.
+// Returns the texels of one axis that look-ups in a cell may read: its own and one more on each side, which at the
+// picture's ends wraps around.
 std::vector<uint32_t> texels_of(uint32_t cell, uint32_t cell_size, uint32_t size) {
   const uint32_t first = cell * cell_size, end = std::min(first + cell_size, size);
   std::vector<uint32_t> texels;

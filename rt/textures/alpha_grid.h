@@ -1,5 +1,5 @@
-// Bounds a texture's alpha over cells of its texels: most of a cut-out is decided by the bounds, in a thirtieth of the
-// memory that its texels take. Knows only model/. Immutable; any thread may read it.
+// Bounds a texture's alpha over cells of its texels: the bounds decide most of a cut-out, in a thirtieth of the texels'
+// memory. Depends only on model/. Immutable; any thread may read it.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,15 @@
 namespace sideray::rt {
 
 struct AlphaBounds {
-  uint8_t least, most;  // as the texture stores it
+  uint8_t least, most;  // as stored in the texture
 };
 
 class AlphaGrid {
  public:
   explicit AlphaGrid(const model::Texture::Level& level);
 
-  // Bounds the texels that a look-up in this level can read, filtered or not, for each way to wrap. Texel coordinates
-  // are in [0, size], or [0, 2 size] where the picture is mirrored.
+  // Bounds the texels that a look-up in the finest level may read there, for every filter and wrap mode. Texel
+  // coordinates are in [0, size], or [0, 2 size] for mirrored textures.
   AlphaBounds at(float x, float y) const { return cells_[row(y) * across_ + column(x)]; }
 
   uint32_t width() const { return width_; }
@@ -29,7 +29,7 @@ class AlphaGrid {
   static uint32_t cell_of(float x, uint32_t size) {
     const auto i = static_cast<uint32_t>(x);
     const uint32_t unfolded = i < size ? i : 2 * size - 1 - i;
-    // The end of the range itself reads the last texel, or the first where it is mirrored.
+    // The end of the range reads the last texel, or the first for a mirrored texture.
     return (unfolded < size ? unfolded : (i == size ? size - 1 : 0)) / cell;
   }
   uint32_t column(float x) const { return cell_of(x, width_); }

@@ -16,7 +16,7 @@ struct Pair {
   float weight;
 };
 
-// Returns 0 where x is NaN, so that no look-up leaves its image.
+// Clamps to 0..`largest`; NaN becomes 0, so that no look-up leaves its image.
 float clamped(float x, float largest) {
   return x > 0.0f ? std::min(x, largest) : 0.0f;
 }
@@ -78,7 +78,7 @@ glm::vec2 albedo_terms(const model::AlbedoTable& table, float n_v, float roughne
 
 glm::vec3 albedo_and_sheen(const model::AlbedoTable& table, float n_v, float roughness) {
   constexpr uint32_t size = model::AlbedoTable::size;
-  // Both ends are texel centres.
+  // The ends of the range are texel centres.
   const auto place = [](float x) { return (x * static_cast<float>(size - 1) + 0.5f) * (1.0f / size); };
   return blend(table.values, size, clamped_pair(place(n_v), size), clamped_pair(place(roughness), size));
 }

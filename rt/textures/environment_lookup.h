@@ -1,5 +1,4 @@
-// Makes the rasterizer's look-ups of prefiltered environments and of the albedo table on the CPU. Any thread may call
-// it.
+// Samples prefiltered environments and the albedo table on the CPU as the rasterizer does. Any thread may call it.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -16,10 +15,10 @@ inline bool is_uniform(const model::Environment& environment) {
 // Samples the irradiance as GL does: bilinear between texel centres, u repeats, v clamps. `direction` is unit.
 glm::vec3 environment_irradiance(const model::Environment& environment, glm::vec3 direction);
 
-// Samples the radiance prefiltered for a roughness: linear between its two nearest levels.
+// Samples the prefiltered radiance, linearly between the two levels nearest to the roughness.
 glm::vec3 environment_specular(const model::Environment& environment, glm::vec3 direction, float roughness);
 
-// Says where that radiance is looked up: at sr_latlong of a direction.
+// Says where the prefiltered radiance is sampled: uv is sr_latlong of a direction.
 struct EnvironmentPlace {
   glm::vec2 uv;
   float roughness;

@@ -13,7 +13,7 @@ namespace {
 
 using Image = model::Environment::Image;
 
-// Returns the edge of a row of cells as the cosine to +Y.
+// Returns the upper edge of a row of cells, as the cosine to +Y.
 double edge_cosine(uint32_t row, uint32_t rows) {
   return elementary::cos(glm::pi<double>() * row / rows);
 }
@@ -23,7 +23,7 @@ double cell_solid_angle(uint32_t row, uint32_t rows, uint32_t columns) {
   return (edge_cosine(row, rows) - edge_cosine(row + 1, rows)) * glm::two_pi<double>() / columns;
 }
 
-// Integrates the bilinear look-up over each texel of a row, in texels: positive wherever the look-up is.
+// Integrates the bilinear look-up over each texel of a row, so that a weight is positive wherever the look-up is.
 std::vector<double> row_weights(const Image& image, uint32_t y) {
   const uint32_t w = image.width, h = image.height;
   const uint32_t above = y == 0 ? 0 : y - 1, below = std::min(y + 1, h - 1);
@@ -38,7 +38,7 @@ std::vector<double> row_weights(const Image& image, uint32_t y) {
   return weights;
 }
 
-// Writes the cumulative shares of `weights`, and returns their sum.
+// Writes the cumulative normalized weights, and returns the weights' sum.
 double accumulate(const std::vector<double>& weights, float* shares) {
   double total = 0;
   for (const double w : weights) total += w;
@@ -55,10 +55,10 @@ double accumulate(const std::vector<double>& weights, float* shares) {
 
 struct Choice {
   uint32_t cell;
-  float within;  // 0..1
+  float within;  // position in the cell, 0..1
 };
 
-// Chooses the cell, of `count`, whose share contains u.
+// Finds the cell, out of `count`, whose share contains u.
 Choice choose(const float* shares, uint32_t count, float u) {
   const float* next = std::upper_bound(shares + 1, shares + count, u);
   const auto cell = static_cast<uint32_t>(next - shares - 1);

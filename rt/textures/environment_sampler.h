@@ -1,5 +1,4 @@
-// Draws directions in proportion to the radiance that an environment sends from them. Immutable once made; any thread
-// may use it.
+// Samples directions in proportion to an environment's radiance. Immutable once made; any thread may use it.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -12,17 +11,17 @@ namespace sideray::rt {
 
 class EnvironmentSampler {
  public:
-  // Keeps the environment. It is sampled as environment_specular() at roughness 0 shows it: scale and rotation
-  // included.
+  // Keeps the environment alive. The sampled radiance is environment_specular() at roughness 0, with scale and
+  // rotation.
   explicit EnvironmentSampler(std::shared_ptr<const model::Environment> environment);
 
   struct Sample {
     glm::vec3 direction;
     float density;  // per steradian
   };
-  // `u` is a point of the unit square. A black environment has no samples: do not call it there.
+  // `u` is a point of the unit square. Must not be called for a black environment.
   Sample sample(glm::vec2 u) const;
-  // Returns a density that is positive wherever radiance comes from; `direction` is unit.
+  // Returns the sampling density per steradian, which is positive wherever there is radiance; `direction` is unit.
   float density(glm::vec3 direction) const;
   glm::vec3 radiance(glm::vec3 direction) const;
   float mean_radiance() const { return mean_radiance_; }  // over the sphere and the channels
@@ -31,12 +30,12 @@ class EnvironmentSampler {
 
  private:
   std::shared_ptr<const model::Environment> environment_;
-  // A cell is a texel; cumulative shares have one entry more than there are cells. A row of columns_ is width_ + 1
+  // A cell is a texel. Arrays of cumulative shares have one entry more than cells, so a row of columns_ is width_ + 1
   // long.
   uint32_t width_ = 0;
   std::vector<float> rows_, columns_;
   std::vector<double> edges_;         // edges of the rows, as cosines to +Y
-  std::vector<float> row_densities_;  // a row's share per solid angle of one of its cells
+  std::vector<float> row_densities_;  // each row's share per solid angle of one of its cells
   float mean_radiance_ = 0;
 };
 

@@ -14,20 +14,19 @@ constexpr uint32_t faces = 6;
 constexpr uint32_t cells_across = 16, face_cells = cells_across * cells_across, cell_count = faces * face_cells;
 constexpr uint32_t facings_across = 8, facing_count = faces * facings_across * facings_across;
 constexpr uint32_t guide_count = 1024;
-// Share of the draws that ignore the environment. They bound every weight: where the table is too low, since a normal
-// is not the middle of its cell, only noise grows (defensive sampling, Hesterberg 1995).
+// Share of the samples that ignore the environment. They bound every weight: if a table is too low, because a normal is
+// not at its cell's centre, only noise grows (defensive sampling, Hesterberg 1995).
 constexpr double blind = 0.25;
-// About the sine of the largest angle by which a direction and a normal differ from the middles of their cells.
+// About the sine of the largest angle between a direction or normal and its cell's centre.
 constexpr float doubt = 0.2f;
 
-// Returns a point of a face of the cube, whose coordinates along it are -1..1. Faces follow one another as +X, -X, +Y,
-// ...
+// Returns the point at the coordinates -1..1 on a face of the cube. The faces are +X, -X, +Y, and so on.
 glm::vec3 point_on(uint32_t face, float s, float t) {
   const float side = face % 2 == 0 ? 1.0f : -1.0f;
   return face < 2 ? glm::vec3(side, s, t) : face < 4 ? glm::vec3(t, side, s) : glm::vec3(s, t, side);
 }
 
-// Returns a way along a face.
+// Returns a vector along a face.
 glm::vec3 shift_along(uint32_t face, float s, float t) {
   return face < 2 ? glm::vec3(0.0f, s, t) : face < 4 ? glm::vec3(t, 0.0f, s) : glm::vec3(s, t, 0.0f);
 }
@@ -47,7 +46,7 @@ uint32_t cell_of(glm::vec3 d, uint32_t across) {
   return (face * across + cell_along(turned.z * scale, across)) * across + cell_along(turned.y * scale, across);
 }
 
-// Returns the coordinate, -1..1 along a face's side, of cell i's start plus `within` cells.
+// Returns the coordinate -1..1 along a face's side at `within` cells behind the start of cell i.
 float along_side(uint32_t i, float within, uint32_t across) {
   return (static_cast<float>(i) + within) * (2.0f / static_cast<float>(across)) - 1.0f;
 }
@@ -61,7 +60,7 @@ glm::vec3 middle_of(uint32_t cell, uint32_t across) {
   return glm::normalize(point_of(cell, 0.5f, across));
 }
 
-// Returns the cosine, positive wherever it is for some direction and normal of the two cells.
+// Returns a cosine that is positive if it is for any direction and normal of the two cells.
 float cosine_of_cells(float cosine) {
   if (cosine >= doubt) return cosine;
   const float above = std::max(cosine + doubt, 0.0f);
@@ -77,8 +76,8 @@ SkyDirections::SkyDirections(std::shared_ptr<const model::Environment> environme
   if (!cells_.empty()) sum_facings(solid_angles);
 }
 
-// Goes over the texels; of small images over points between them. Returns the cells' solid angles. Makes no cells where
-// all is black.
+// Integrates over the texels, or over points between them in small images. Returns the cells' solid angles. Makes no
+// cells for a black environment.
 std::vector<float> SkyDirections::sum_cells() {
   const model::Environment::Image& image = environment_->specular.front();
   const uint32_t width = std::max(image.width, 512u), height = std::max(image.height, 256u);
@@ -143,7 +142,7 @@ SkyDirections::Draw SkyDirections::draw(uint32_t facing, glm::vec3 normal, glm::
   const float* shares = &shares_[size_t{facing} * cell_count];
   uint32_t i = guides_[size_t{facing} * guide_count + static_cast<size_t>(u.x * guide_count)];
   while (i + 1 < cell_count && shares[i] <= u.x) ++i;
-  // Rounding may leave the last cells without a share, although the last number falls there.
+  // Rounding may leave the last cells without a share although the largest numbers select them.
   const float low = i > 0 ? shares[i - 1] : 0.0f, share = std::max(shares[i] - low, 0x1p-24f);
   const float within = std::min((u.x - low) / share, 1.0f) * (2.0f / cells_across), above = u.y * (2.0f / cells_across);
   const Cell& cell = cells_[i];

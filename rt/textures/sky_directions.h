@@ -1,5 +1,5 @@
-// Draws directions above a surface in proportion to what an environment sends from them to it: what the rays of ambient
-// occlusion go along. Immutable once made; any thread may use it.
+// Samples directions above a surface in proportion to an environment's light on it, for rays of ambient occlusion.
+// Immutable once made; any thread may use it.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -12,28 +12,28 @@ namespace sideray::rt {
 
 class SkyDirections {
  public:
-  // Keeps the environment, and sums it over the cells of a cube around it. That is done by one thread, in time
+  // Keeps the environment alive, and integrates it over the cells of a cube, on the calling thread and in time
   // proportional to its texels.
   explicit SkyDirections(std::shared_ptr<const model::Environment> environment);
 
   struct Draw {
     glm::vec3 direction;  // unit
-    // What arrives from there, the cosine included, over the density: the mean of weight * visible over that of the
-    // weight is the share of the environment's light that is visible. 0 below the surface and where all is black.
+    // Light from there, times the cosine, over the density: mean(weight * visible) / mean(weight) is the visible share
+    // of the environment's light. 0 below the surface and in a black environment.
     float weight;
   };
-  // Returns for draw() which of the tables a surface of that normal, of unit length, draws from.
+  // Returns the index of the table from which draw() samples for a surface with this unit normal.
   static uint32_t facing(glm::vec3 normal);
   // `u` is a point of the unit square.
   Draw draw(uint32_t facing, glm::vec3 normal, glm::vec2 u) const;
-  // Nothing can be drawn from a black environment: do not call draw() there.
+  // If the environment is black, draw() must not be called.
   bool black() const { return cells_.empty(); }
   const std::shared_ptr<const model::Environment>& environment() const { return environment_; }
 
  private:
   struct Cell {
-    glm::vec3 corner;  // on the cube's face: the first along both sides
-    float power;       // of what comes through it: solid angle times the mean of the radiance's channels
+    glm::vec3 corner;  // on the cube's face: the one with the smallest coordinates
+    float power;       // solid angle times mean radiance, over channels too
   };
 
   std::vector<float> sum_cells();
@@ -41,9 +41,10 @@ class SkyDirections {
 
   std::shared_ptr<const model::Environment> environment_;
   std::vector<Cell> cells_;
-  // Tables for drawing a cell, one for each cell of a coarser cube in which the surface's normal lies, concatenated:
-  std::vector<float> shares_;     // cumulative, of the cells
-  std::vector<uint16_t> guides_;  // the first cell that may be meant by a number in each of equal intervals
+  // One table a cell of a coarser cube, which is selected by the surface's normal; all concatenated.
+  std::vector<float> shares_;     // cumulative, by cell
+  std::vector<uint16_t> guides_;  // for equal intervals of random numbers: the first cell that a number in it may
+                                  // select
 };
 
 }  // namespace sideray::rt

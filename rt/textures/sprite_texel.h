@@ -1,5 +1,5 @@
-// Finds what a ray sees on the quad of a sprite (rt/poses/particle_quads.h): its place in the flip-book, and its
-// colour. Any thread may call it.
+// Finds the flip-book texel and the colour where a ray hits a sprite's quad (rt/poses/particle_quads.h). Any thread may
+// call it.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace sideray::rt {
 
-// Returns null where the system has no texture.
+// Returns the particle system's texture, or null if it has none.
 const model::Texture* sprite_texture(const model::Snapshot& snapshot, const sideray_particles_desc& d);
 
 struct QuadPlace {
@@ -24,7 +24,7 @@ struct QuadPlace {
 // `hit` is on an instance of quads.
 QuadPlace quad_place(const model::Snapshot& snapshot, const Hit& hit);
 
-// Returns whether too little alpha is there (sr_sprite_absent); `hit` is on an instance of quads.
+// Returns whether the alpha there is too low (sr_sprite_absent); `hit` is on an instance of quads.
 bool sprite_discards(const model::Snapshot& snapshot, const Hit& hit);
 
 }  // namespace sideray::rt

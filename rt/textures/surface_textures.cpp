@@ -24,7 +24,7 @@ bool zero(const float (&v)[3]) {
   return v[0] == 0.0f && v[1] == 0.0f && v[2] == 0.0f;
 }
 
-// Returns whether what the slot's texture scales, or perturbs, has any effect.
+// Returns whether the value that the slot's texture scales or perturbs has any effect.
 bool counts(const sideray_material_desc& d, uint32_t slot) {
   using D = sideray_material_desc;
   switch (slot) {

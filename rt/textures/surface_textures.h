@@ -1,5 +1,5 @@
-// Reads a material's textures at a point of a triangle: the look-ups that it needs are prepared once, then made. Knows
-// model/ and the shading model's terms. Any thread may call it.
+// Samples a material's textures at a point of a triangle; the list of look-ups is made once per material. Depends on
+// model/ and the shading model's structs. Any thread may call it.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -17,16 +17,16 @@ struct TextureRead {
   const model::Texture* texture;
   const sideray_texture_slot* place;
   uint32_t slot;  // index into model::material_slots
-  // The material's earlier read whose value this one reuses: images often pack several maps (occlusion, roughness,
-  // metal). Its own number if there is none.
+  // Index of an earlier read of the material whose value this one reuses, because images often pack several maps
+  // (occlusion, roughness, metal). Its own index if there is none.
   uint32_t same_as;
 };
 
-// Lists the material's reads, in the order of model::material_slots; without those that only scale a factor of 0. They
+// Lists the material's reads, in the order of model::material_slots, without those that would scale a factor of 0. They
 // point into `snapshot`.
 std::vector<TextureRead> texture_reads(const model::Snapshot& snapshot, const sideray_material_desc& material);
 
-// Says where on a triangle look-ups are made, and how much of it they are to cover.
+// Says where on a triangle textures are sampled, and the footprint.
 struct TexturePlace {
   const model::Mesh& mesh;
   glm::uvec3 triangle;
@@ -36,7 +36,7 @@ struct TexturePlace {
 
 struct TextureValues {
   shading::SrTexels texels;
-  // These are in tangent space, z along the normal; (0, 0, 1) where there is no map.
+  // In tangent space, z along the normal; (0, 0, 1) without a map.
   glm::vec3 normal, coat_normal;
 };
 

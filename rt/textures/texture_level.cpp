@@ -8,7 +8,7 @@
 namespace sideray::rt {
 namespace {
 
-constexpr float least_cosine = 1e-4f;  // a cone that only touches the plane has no end
+constexpr float least_cosine = 1e-4f;  // limits the footprint of a grazing cone, which would be infinite
 
 }  // namespace
 
@@ -20,7 +20,7 @@ TextureFootprint texture_footprint(glm::vec3 edge1, glm::vec3 edge2, glm::vec3 d
   const float cosine = glm::dot(normal, direction);
   const glm::vec3 slide = direction - normal * cosine;
   const float sine = glm::length(slide);
-  // Head-on every diameter is the same.
+  // Seen head-on, all diameters are equal.
   const glm::vec3 along = sine > 1e-6f ? slide * (1.0f / sine) : glm::normalize(edge1);
   const glm::vec3 long_axis = along * (width / std::max(std::abs(cosine), least_cosine));
   const glm::vec3 short_axis = glm::cross(normal, along) * width;

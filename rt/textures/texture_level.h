@@ -1,4 +1,4 @@
-// Computes the mip level that a ray cone requires where it hits a triangle. Knows model/ alone. Any thread may call it.
+// Computes the mip level for a ray cone's footprint on a triangle. Depends only on model/. Any thread may call it.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -8,16 +8,17 @@
 namespace sideray::rt {
 
 // Holds the ellipse in which a cone cuts a plane (Akenine-Moeller et al., Improved Shader and Texture Level of Detail
-// Using Ray Cones, JCGT 2021): its two diameters, in steps of the weights of the triangle's second and third vertex.
+// Using Ray Cones, JCGT 2021): its two diameters, as differences of the second and third vertex's weights.
 struct TextureFootprint {
   glm::vec2 along, across;
 };
 
-// Takes the edges from the first vertex to the second and third; `direction` is unit, `width` the cone's where it hits.
+// `edge1` and `edge2` lead from the first vertex to the second and third; `direction` is unit, `width` the cone's at
+// the hit.
 TextureFootprint texture_footprint(glm::vec3 edge1, glm::vec3 edge2, glm::vec3 direction, float width);
 
-// Returns log2 of the texels that the longer diameter spans, as OpenGL measures derivatives; `edge` in uv before the
-// slot's map.
+// Returns log2 of the number of texels along the longer diameter, as OpenGL measures derivatives; edges are in uv
+// before the slot's map.
 float texture_level(const TextureFootprint& footprint, glm::vec2 edge1, glm::vec2 edge2,
                     const sideray_texture_slot& slot, const model::Texture& texture);
 

@@ -12,12 +12,12 @@ namespace {
 
 using Level = model::Texture::Level;
 
-// Holds four channels, or a weight four times.
+// Holds four channels, or one weight four times.
 using Four = float __attribute__((vector_size(16)));
 
 struct Decode {
-  // These turn codes 0..255 into 0..1, and into linear light (IEC 61966-2-1, as OpenGL decodes it: before filtering,
-  // alpha untouched).
+  // Tables from codes 0..255 to 0..1, and to linear light (IEC 61966-2-1, as OpenGL decodes it: before filtering, alpha
+  // unchanged).
   std::array<float, 256> plain, srgb;
 };
 
@@ -43,7 +43,7 @@ struct FetchAlpha {
   float operator()(const Level& level, uint32_t texel) const { return decode.plain[level.rgba[size_t{4} * texel + 3]]; }
 };
 
-// Moves a coordinate into one period (two for MIRROR), so that the integers below stay small whatever the coordinate.
+// Moves a coordinate into one period (two for MIRROR), so that the integers below stay small.
 float reduce(float s, sideray_wrap wrap) {
   if (!std::isfinite(s)) return 0.0f;
   if (wrap == SIDERAY_CLAMP) return std::clamp(s, 0.0f, 1.0f);
@@ -51,7 +51,7 @@ float reduce(float s, sideray_wrap wrap) {
   return s - std::floor(s);
 }
 
-// `i` is at most one texel outside the period of reduce(): no division is needed.
+// `i` is at most one texel outside the period of reduce(), so no division is needed.
 [[gnu::always_inline]] inline uint32_t wrap_texel(int32_t i, int32_t size, sideray_wrap wrap) {
   if (wrap == SIDERAY_CLAMP) return static_cast<uint32_t>(std::clamp(i, 0, size - 1));
   const int32_t period = wrap == SIDERAY_MIRROR ? 2 * size : size;
@@ -87,7 +87,7 @@ auto sample_bilinear(const Level& level, const sideray_texture_slot& slot, glm::
   return top * (1.0f - y.weight1) + bottom * y.weight1;
 }
 
-// The coordinate is `reduced` by reduce().
+// The coordinate must come from reduce().
 template <typename Fetch>
 auto sample_level(const Level& level, const sideray_texture_slot& slot, glm::vec2 reduced, Fetch fetch) {
   if (slot.filter == SIDERAY_NEAREST) {
@@ -135,7 +135,7 @@ const float* srgb_decode_table() {
 }
 
 AlphaRange alpha_range(const AlphaGrid& grid, const sideray_texture_slot& slot, glm::vec2 uv) {
-  constexpr float rounding = 1e-6f;  // error of the weights that add texels up
+  constexpr float rounding = 1e-6f;  // error of the weights that add up texels
   const glm::vec2 st = coordinates(slot, uv);
   const AlphaBounds b = grid.at(st.x * static_cast<float>(grid.width()), st.y * static_cast<float>(grid.height()));
   return {decode.plain[b.least] - rounding, decode.plain[b.most] + rounding};

@@ -1,5 +1,5 @@
-// Looks textures up as the rasterizer does: wraps, nearest, bilinear, trilinear, sRGB decode. Knows only model/. Any
-// thread may call it.
+// Samples textures as the rasterizer does: wrap modes, nearest, bilinear, trilinear, sRGB decoding. Depends only on
+// model/. Any thread may call it.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -9,17 +9,17 @@
 
 namespace sideray::rt {
 
-// Returns a colour, in linear light. `uv` is the mesh's; the slot's map is applied in here. `level` is the mip level
-// (log2 of texels per pixel) and counts for SIDERAY_TRILINEAR only. A coordinate that is not finite reads as 0.
+// Returns a colour in linear light. `uv` is the mesh's; this function applies the slot's map. `level` is the mip level
+// (log2 of texels per pixel) and matters only for SIDERAY_TRILINEAR. A non-finite coordinate reads as 0.
 glm::vec4 sample(const model::Texture& texture, const sideray_texture_slot& slot, glm::vec2 uv, float level);
 
-// Returns the alpha of sample(texture, slot, uv, 0), bit for bit, without the colour.
+// Returns the alpha of sample(texture, slot, uv, 0), with the same bits, without computing the colour.
 float sample_alpha(const model::Texture& texture, const sideray_texture_slot& slot, glm::vec2 uv);
 
-// Returns what each of 256 codes of a colour is worth in linear light.
+// Returns the linear values of the 256 sRGB codes.
 const float* srgb_decode_table();
 
-// Bounds sample_alpha() by the texture's grid.
+// Bounds sample_alpha() by the texture's alpha grid.
 struct AlphaRange {
   float least, most;
 };

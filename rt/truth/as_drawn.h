@@ -1,5 +1,5 @@
-// While an object of this type lives, rays hit the scene as it is drawn: swaying plants in their own poses, nothing
-// culled. Afterwards the previous options hold again, and their poses are rebuilt if they differ.
+// Makes rays hit the scene as it is drawn, for as long as it lives: plants in their swaying poses, nothing culled.
+// Afterwards it restores the previous options and rebuilds their poses if they differ.
 #pragma once
 
 #include "rt/scene/traced_scene.h"

@@ -14,21 +14,22 @@ namespace sideray::rt {
 namespace {
 
 constexpr size_t pixels_in_truth_chunk = 1024;  // for any thread count
-// A place is seen where the straight ray to it hits its object no farther before it than this share of the distance.
+// The end of a path counts as visible if the straight ray hits the same object, at most this share of the distance in
+// front.
 constexpr double at_place = 1e-4;
 constexpr float farthest_end = 1e30f;
 
-// A thread's memory.
+// Is the scratch memory of one thread.
 struct TruthWorker {
   RefractionTracer refraction;
   std::vector<Ray> rays;
   std::vector<Hit> opaque, glass;
   std::vector<uint32_t> counts;
-  std::vector<PixelRequest> glazed;  // the pixels whose paths may be bent
-  std::vector<PathEnd> ends;         // of those
+  std::vector<PixelRequest> glazed;  // pixels whose paths may be bent
+  std::vector<PathEnd> ends;         // of the glazed pixels
 };
 
-// A straight ray from the eye to the place where a bent path ends: it tells whether the place is visible directly.
+// Describes a straight ray from the eye to the end of a bent path, which tells whether that is directly visible.
 struct PlaceRay {
   size_t texel;
   uint32_t instance;  // that the path ended at, or no_instance
@@ -72,7 +73,7 @@ class TruthPass {
             static_cast<float>(depth_at(ray, hit.distance)), surface_point(scene_, hit, ray, cone).surface.normal};
   }
 
-  // Finds the first opaque surface of each ray, and the first translucent one before it.
+  // Finds the first opaque surface of each ray, and the first translucent one in front of it.
   void find_first(std::span<const PixelRequest> pixels, TruthWorker& w) const {
     w.rays.clear();
     for (const PixelRequest& p : pixels) w.rays.push_back(view_.ray(p.x, p.y));
@@ -108,7 +109,7 @@ class TruthPass {
     look_at_places(rays, places);
   }
 
-  // Nothing but a surface that is seen, or the medium that the eye is in, bends a path for the first time.
+  // A path can be bent first only by a visible surface or by the medium around the eye.
   void find_ends(std::span<const PixelRequest> pixels, TruthWorker& w) {
     w.glazed.clear();
     for (size_t i = 0; paths_ && i < pixels.size(); ++i) {
@@ -147,7 +148,7 @@ class TruthPass {
     rays.push_back(ray_to(place, places.back().distance));
   }
 
-  // Says where the picture has a place (w = 1) or what lies in a direction (w = 0).
+  // Projects a position (w = 1) or a direction (w = 0) into the picture.
   PlaceState project(glm::dvec4 place, glm::vec2& pixel) const {
     const double depth = glm::dot(request_.depth_plane, place);
     if (view_.perspective() ? depth <= 0.0 : place.w == 0.0) return PlaceState::undefined;
@@ -161,7 +162,7 @@ class TruthPass {
     return inside && between ? PlaceState::visible : PlaceState::outside;
   }
 
-  // Makes the straight ray to the place; `distance` is where it lies on the ray, infinite in the surroundings.
+  // Makes the straight ray to a place; `distance` is the place's on that ray, infinite for the surroundings.
   Ray ray_to(glm::dvec4 place, double& distance) const {
     const glm::dvec3 axis = glm::normalize(glm::dvec3(request_.depth_plane));
     const glm::dvec3 to_place = glm::dvec3(place) - place.w * view_.eye();
@@ -176,7 +177,7 @@ class TruthPass {
             static_cast<float>(std::min(end, static_cast<double>(farthest_end)))};
   }
 
-  // Finds out whether the places are hidden.
+  // Marks places that other surfaces hide.
   void look_at_places(const std::vector<Ray>& rays, const std::vector<PlaceRay>& places) {
     if (rays.empty()) return;
     std::vector<Hit> hits;
@@ -194,9 +195,9 @@ class TruthPass {
   const Intersector& intersector_;
   GroundTruthImage& image_;
   ViewRays view_;
-  Cone cone_;  // by which the alpha of all rays is read
+  Cone cone_;  // for the alpha of all rays
   double near_ = 0.0, far_ = 0.0;  // depths of the planes
-  std::optional<PathFrame> paths_;  // empty where no path is bent
+  std::optional<PathFrame> paths_;  // empty if nothing bends light
 };
 
 }  // namespace

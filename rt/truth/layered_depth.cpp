@@ -28,15 +28,15 @@ sideray_surface_face face_of(const model::Material& material, const Hit& hit) {
   return material.cull_back ? SIDERAY_FACE_HIDDEN_BACK : SIDERAY_FACE_BACK;
 }
 
-// A surface that a pixel looks at.
+// Describes a surface that a pixel sees.
 struct LayerMet {
   Hit hit;
-  const Ray* ray;  // that hit it
-  double length;   // of the way before that ray
+  const Ray* ray;  // the ray that hit it
+  double length;   // of the path before that ray
   glm::vec3 normal, geometric_normal;
 };
 
-// Writes what is wanted of each layer.
+// Writes the requested values of each layer.
 class LayerWriter {
  public:
   LayerWriter(const LayeredDepthRequest& request, const model::Snapshot& snapshot)
@@ -98,17 +98,17 @@ class LayerWriter {
   const model::Snapshot& snapshot_;
 };
 
-// A layer whose normals are still to be made.
+// Refers to a layer whose normals are not computed yet.
 struct Unmade {
   LayerMet* layer;
-  size_t pixel;  // of the chunk
+  size_t pixel;  // index in the chunk
 };
 
-// A thread's memory.
+// Is the scratch memory of one thread.
 struct LayerWorker {
   std::vector<Ray> rays;
-  std::vector<std::vector<LayerMet>> met;  // of each pixel
-  std::vector<uint32_t> found;             // of each pixel, of one kind
+  std::vector<std::vector<LayerMet>> met;  // by pixel
+  std::vector<uint32_t> found;             // by pixel, of one kind
   std::vector<Hit> opaque;
   RefractionTracer refraction;
   std::vector<PixelRequest> paths;
@@ -149,7 +149,7 @@ class LayerPass {
   }
 
  private:
-  // Finds the nearest of each kind of surface, and puts both kinds in one order.
+  // Finds the nearest surfaces of each kind and merges both kinds in one order.
   void find_straight(LayerWorker& w) const {
     SurfaceWalk walk(*scene_.snapshot, intersector_, cone_, false);
     const auto meet = [&](uint32_t i, const Hit& hit) {
@@ -170,7 +170,7 @@ class LayerPass {
     }
   }
 
-  // Finds what each path crosses, and where it ends.
+  // Finds the surfaces that each path crosses, and its end.
   void find_bent(std::span<const PixelRequest> pixels, LayerWorker& w) {
     trace_drawn_surfaces(intersector_, cone_, w.rays, w.opaque);
     w.paths.clear();
@@ -188,7 +188,7 @@ class LayerPass {
     for (size_t i = 0; i < pixels.size(); ++i) add_end(i, w);
   }
 
-  // Of a path that hits as many translucent surfaces as are wanted, the end is not wanted.
+  // A path that already hit the wanted number of translucent surfaces needs no end.
   void add_end(size_t i, LayerWorker& w) const {
     if (w.met[i].size() == wanted_.layers) return;
     const bool straight = !paths_ || w.ends[i].turns == 0;
@@ -217,9 +217,9 @@ class LayerPass {
   const Intersector& intersector_;
   const ShadeKernels& kernels_;
   const ViewRays view_;
-  const Cone cone_;  // by which the alpha of all rays is read
+  const Cone cone_;  // for the alpha of all rays
   const LayerWriter writer_;
-  std::optional<PathFrame> paths_;  // empty where nothing is translucent
+  std::optional<PathFrame> paths_;  // empty if nothing is translucent
 };
 
 }  // namespace

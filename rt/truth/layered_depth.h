@@ -1,5 +1,5 @@
-// Finds every surface that the pixels of a picture look at, opaque and translucent in one order: along straight rays, through
-// everything, or along the paths that light takes. Plain memory. One call at a time.
+// Finds every surface that the pixels of a picture see, opaque and translucent in one order: along straight rays
+// through everything, or along refracted paths. Plain memory. One call at a time.
 #pragma once
 
 #include <sideray/ground_truth.h>
@@ -14,13 +14,13 @@ namespace sideray::rt {
 
 struct LayeredDepthRequest {
   TraceView view;
-  glm::dvec4 depth_plane;  // (x, y, z, 1) of a local position times this is its depth along the view axis
+  glm::dvec4 depth_plane;  // its dot product with a local position (x, y, z, 1) is the depth along the view axis
   sideray_layered_depth_desc wanted;  // checked; its camera is not read
 };
 
 class LayeredDepthTracing {
  public:
-  // Fills the arrays that the request names.
+  // Fills the arrays that the request points to.
   void trace(const LayeredDepthRequest& request, TracedScene& scene);
 
  private:

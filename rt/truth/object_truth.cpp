@@ -12,22 +12,23 @@ namespace sideray::rt {
 namespace {
 
 constexpr size_t pixels_in_object_chunk = 1024;  // for any thread count
-// A translucent surface this share of the distance before an opaque one lies on it, as in ViewRays::end_of_ray.
+// A translucent surface less than this share of the distance in front of an opaque one counts as lying on it, as in
+// ViewRays::end_of_ray.
 constexpr double on_opaque = 0x1p-21;
 
-// An object that a pixel's centre hits.
+// Records that a pixel's centre hits an object.
 struct Covered {
   uint32_t object, x, y;
   bool visible;
 };
 
-// What one ray hits.
+// Holds the objects that one ray hits.
 struct RayObjects {
   struct Met {
     uint32_t object;
     bool visible;
   };
-  std::vector<Met> met;  // each object once
+  std::vector<Met> met;  // each object at most once
   Hit opaque, translucent;  // the first of each kind
 };
 
@@ -53,7 +54,8 @@ class ObjectRays {
     add(ray, hit, first);
   }
 
-  // The opaque surfaces are found already. The first translucent surface before them hides the first of them.
+  // Is called after all opaque surfaces. The first translucent surface in front of the opaque ones may hide the first
+  // of them.
   void meet_translucent(RayObjects& ray, const Hit& hit) const {
     const bool before = ray.opaque.instance == no_instance || hit.distance < ray.opaque.distance * (1.0 - on_opaque);
     const bool first = before && ray.translucent.instance == no_instance;
@@ -83,7 +85,7 @@ class ObjectRays {
   std::vector<RayObjects> objects_;
 };
 
-// The view whose pixel centres are at another place of the pixels: (0.5, 0.5) is their middle.
+// Returns the view with the pixels' centres moved to `place` in each pixel: (0.5, 0.5) is the middle.
 TraceView moved(const TraceView& view, glm::dvec2 place, uint32_t width, uint32_t height) {
   const glm::dvec3 shift((1.0 - 2.0 * place.x) / width, (1.0 - 2.0 * place.y) / height, 0.0);
   TraceView result = view;
@@ -92,13 +94,13 @@ TraceView moved(const TraceView& view, glm::dvec2 place, uint32_t width, uint32_
   return result;
 }
 
-// Draws one place of all pixels.
+// Traces one sample position of all pixels.
 class PlacePass {
  public:
   PlacePass(const ObjectTruthRequest& request, TracedScene& scene, const FramePixels& frame)
       : request_(request), scene_(scene), frame_(frame) {}
 
-  // Calls take(pixel, objects, thread, chunk) for every pixel, in any order of chunks.
+  // Calls take(pixel, objects, thread, chunk) for every pixel; chunks come in any order.
   template <typename TakeObjects>
   void trace(glm::dvec2 place, const TakeObjects& take) {
     const ViewRays view(moved(request_.view, place, request_.width, request_.height), request_.width, request_.height);
@@ -124,7 +126,7 @@ class PlacePass {
   const FramePixels& frame_;
 };
 
-// Makes a mask of pixels that come in the order of columns.
+// Builds a mask from pixels given column by column.
 class MaskBuilder {
  public:
   explicit MaskBuilder(ObjectMask& mask) : mask_(mask) {}
@@ -210,7 +212,7 @@ std::vector<ObjectTruth> trace_object_truth(const ObjectTruthRequest& request, T
   std::vector<Covered> covered;
   for (const std::vector<Covered>& part : of_chunk) covered.insert(covered.end(), part.begin(), part.end());
   make_masks(covered, request, truths);
-  if (request.samples_per_side == 1)  // the middles are all there is
+  if (request.samples_per_side == 1)  // the pixels' centres are the only samples
     for (ObjectTruth& truth : truths)
       truth.visible_samples = truth.visible.pixels, truth.amodal_samples = truth.amodal.pixels;
   else

@@ -1,5 +1,5 @@
-// Holds the state of the paths through a picture's pixels, one each (RefractionTracer::find_ends), and the ends of the
-// pixels' straight rays. It holds pointers to itself and must not move.
+// Holds the state of one path through each pixel of a picture (RefractionTracer::find_ends), and the ends of the
+// pixels' straight rays. It points to itself and must not move.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@ namespace sideray::rt {
 
 class PathFrame {
  public:
-  // The caller keeps what is referred to. `trace_view` is what `view` was made of.
+  // The caller keeps all arguments alive. `view` must be made from `trace_view`.
   PathFrame(const TraceView& trace_view, const ViewRays& view, uint32_t width, uint32_t height, const ShadingScene& scene,
             const Intersector& intersector, const RefractionScene& refraction)
       : ends_(size_t{width} * height) {
@@ -28,8 +28,8 @@ class PathFrame {
   PathFrame(const PathFrame&) = delete;
   PathFrame& operator=(const PathFrame&) = delete;
 
-  // Ends the pixel's straight ray at the first opaque surface that it hits, where there is one. Different threads may set
-  // different pixels.
+  // Ends the pixel's straight ray at the first opaque surface, if it hits one. Different threads may set different
+  // pixels.
   void end_ray(const PixelRequest& p, const Ray& ray, const Hit& opaque) {
     ends_[size_t{p.y} * layers_.width + p.x] = opaque.instance == no_instance
                                                    ? ray.t_far
@@ -38,7 +38,7 @@ class PathFrame {
   const RefractionContext& context() const { return context_; }
 
  private:
-  std::vector<float> ends_;  // of the straight rays, a texel each
+  std::vector<float> ends_;  // of the straight rays, one a texel
   LayerRequest layers_;
   FrameContext frame_{};
   RefractionContext context_{};

@@ -1,4 +1,4 @@
-// Finds all surfaces of one kind along each ray, coplanar ones too, however many there are. Holds scratch memory: one
+// Finds all surfaces of one kind along each ray, coplanar ones too, however many there are. It has scratch memory: one
 // object per thread.
 #pragma once
 
@@ -14,12 +14,12 @@ namespace sideray::rt {
 
 class SurfaceWalk {
  public:
-  // `cone` is common to the rays, for alpha; cull: backs of materials that are not double sided are left out.
+  // All rays use `cone` for alpha. cull: skips backs of materials that are not double sided.
   SurfaceWalk(const model::Snapshot& snapshot, const Intersector& intersector, Cone cone, bool cull)
       : snapshot_(snapshot), intersector_(intersector), cone_(cone), cull_(cull) {}
 
-  // Call met(ray index, hit) for each surface, in the total order of Intersector::nearest_layers(); a ray for which it returns
-  // false goes no further.
+  // Call met(ray index, hit) for each surface, in the total order of Intersector::nearest_layers(). A ray ends if it
+  // returns false.
   template <typename Met>
   void opaque(std::span<const Ray> rays, const Met& met) {
     walk(rays, met, [this](uint32_t layers) {
@@ -35,13 +35,13 @@ class SurfaceWalk {
   }
 
  private:
-  // Surfaces found in a round; more if they all lie at one place.
+  // Number of surfaces searched in a round; more if all are at one distance.
   static constexpr uint32_t surfaces_in_round = 8, most_surfaces_in_round = 64;
-  // A further round starts this share of the distance before the last surface, and skips by the total order what was
-  // found before.
+  // A further round starts before the last surface, by this share of its distance; the total order tells which surfaces
+  // are known.
   static constexpr double back_step = 1e-6;
 
-  // A ray that needs further rounds.
+  // Describes a ray that needs further rounds.
   struct OpenRay {
     uint32_t index;
     Ray ray;
@@ -57,12 +57,12 @@ class SurfaceWalk {
     for (uint32_t i = 0; i < rays.size(); ++i) open_.push_back({i, rays[i], {}}), open_.back().last.instance = no_instance;
     for (uint32_t layers = surfaces_in_round; !open_.empty();) {
       const bool advanced = step(layers, met, round);
-      if (!advanced && layers == most_surfaces_in_round) return;  // more at one place than can be distinguished
+      if (!advanced && layers == most_surfaces_in_round) return;  // more coplanar surfaces than can be distinguished
       layers = advanced ? surfaces_in_round : most_surfaces_in_round;
     }
   }
 
-  // Returns whether any ray came further. Rays that have hit all their surfaces are closed.
+  // Returns whether any ray advanced. Rays without further surfaces are dropped.
   template <typename Met, typename Round>
   bool step(uint32_t layers, const Met& met, const Round& round) {
     rays_.clear();

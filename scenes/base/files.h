@@ -1,4 +1,4 @@
-// Whole files in and out: reading with a size limit, writing through a temporary file. Any thread.
+// Reads and writes whole files: with a size limit, and through a temporary file. Any thread.
 #pragma once
 
 #include <fmt/format.h>
@@ -12,28 +12,28 @@
 
 namespace sideray::scenes {
 
-// Spaces instead of control characters: names from files must neither break a line nor command a terminal.
+// Replaces control characters by spaces, because names from files must neither break a line nor send terminal commands.
 std::string printable(std::string text);
 
-// Throws Error with the line "what: why; what to do".
+// Throws an Error with the line "what: why; what to do".
 template <typename... Args>
 [[noreturn]] void refuse(fmt::format_string<Args...> format, Args&&... args) {
   throw Error(SIDERAY_INVALID_ARGUMENT, printable(fmt::format(format, std::forward<Args>(args)...)));
 }
 
-// Of a regular file; 0 where there is none, which read_file() refuses.
+// Returns the size of a regular file; 0 if there is none, which read_file() refuses.
 uint64_t file_size(const std::string& path);
-// Regular files only: a device or pipe could be endless. Throws Error naming the file and the remedy.
+// Reads a regular file; a device or pipe could be endless. Throws Error naming the file and the remedy.
 std::vector<uint8_t> read_file(const std::string& path, uint64_t maximum_bytes);
 
-// Continues the hash `before` over more bytes (FNV-1a): it tells files apart, and resists no attack.
+// Continues the hash `before` over more bytes (FNV-1a). It distinguishes files but resists no attack.
 constexpr uint64_t empty_hash = 0xcbf29ce484222325u;
 uint64_t hash_of(std::span<const uint8_t> bytes, uint64_t before = empty_hash);
 
-// The file appears whole under its name or not at all. Throws Error naming the file and the remedy.
+// Writes a file that appears complete under its name or not at all. Throws Error naming the file and the remedy.
 void write_file(const std::string& path, std::span<const uint8_t> bytes);
 
-// Lower-case extension with its dot, or "".
+// Returns the extension in lower case with its dot, or "".
 std::string extension_of(const std::string& path);
 
 }  // namespace sideray::scenes

@@ -1,4 +1,4 @@
-// Makes scenes by code: deterministic, from no files. A target of its own, for the program and the tests. Any thread.
+// Generates scenes in code: deterministic, without files. A separate target, for the program and the tests. Any thread.
 #pragma once
 
 #include <map>
@@ -18,17 +18,18 @@ struct Builtin {
   std::vector<Parameter> parameters;
 };
 
-// Every built-in scene, with its parameters.
+// Returns every built-in scene with its parameters.
 const std::vector<Builtin>& builtins();
 bool is_builtin(const std::string& name);
 
 using Settings = std::map<std::string, std::string>;
 
-// Throws Error for an unknown scene or parameter, or a value out of range; the message lists what exists.
+// Generates a scene. Throws Error for an unknown scene or parameter, or a value out of range; the message lists what
+// exists.
 Content generate(const std::string& name, const Settings& settings);
 
-// `scene`: a .gltf or .glb path, or the name of a built-in scene, with "?K=V&K=V" behind it for its parameters. Throws
-// Error with one clear line.
+// Loads `scene`: a .gltf or .glb path, or the name of a built-in scene, optionally followed by "?K=V&K=V" for its
+// parameters. Throws Error with one clear line.
 Content load(const std::string& scene, const LoadOptions& options = {});
 
 }  // namespace sideray::scenes

@@ -1,4 +1,4 @@
-// The makers behind generate(): one file each.
+// Declares the functions that generate() calls: one file each.
 #pragma once
 
 #include <map>
@@ -8,11 +8,11 @@
 
 namespace sideray::scenes {
 
-// A scene's parameters, all present, as numbers.
+// Holds all parameters of a scene as numbers.
 struct Numbers {
   std::string scene;
   std::map<std::string, double> values;
-  // Throws Error where it is outside.
+  // Return the parameter. Throw Error if it is out of range.
   double in_range(const std::string& name, double low, double high) const;
   int whole_in_range(const std::string& name, int low, int high) const;
 };

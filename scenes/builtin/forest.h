@@ -1,4 +1,4 @@
-// The parts of the built-in forest, which forest.cpp puts together. Metres; y up; plants stand on their origin.
+// Declares the parts of the built-in forest, which forest.cpp assembles. Metres; y up; plants stand on their origin.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -10,7 +10,7 @@
 namespace sideray::scenes::forest {
 
 struct Textures {
-  uint32_t oak, birch, needles, bush, fern, grass, flowers, bark, birch_bark;  // as slots want them
+  uint32_t oak, birch, needles, bush, fern, grass, flowers, bark, birch_bark;  // texture indices + 1
 };
 Textures paint_textures(ContentBuilder& b);
 
@@ -26,7 +26,7 @@ struct Species {
   Kind kind;
   float share;  // of the plants of its kind
   std::vector<Part> parts;
-  sideray_wind_desc wind;  // as if it blew along +x
+  sideray_wind_desc wind;  // for wind along +x
 };
 std::vector<Species> make_species(ContentBuilder& b, const Textures& textures, uint32_t seed);
 

@@ -18,7 +18,7 @@ using glm::vec3;
 
 constexpr uint32_t cell_side = 64;
 
-// A place on a flip-book: which cell, and where in it, -1..1 from its middle, y up.
+// A position in a flip-book: the cell, and the point in it, -1..1 from its middle, y up.
 struct InCell {
   uint32_t cell;
   vec2 p;
@@ -29,7 +29,7 @@ struct InCell {
   }
 };
 
-// Each picture is a puff of its own; later ones are torn more.
+// Each picture is a different puff; later ones are more torn.
 Texel smoke_texel(vec2 uv) {
   const InCell at(uv);
   const float age = static_cast<float>(at.cell) / (flip_book_columns * flip_book_rows - 1);
@@ -39,7 +39,7 @@ Texel smoke_texel(vec2 uv) {
   const float r = glm::length(at.p + 0.7f * bend);
   const float billows = fractal_noise(in_cell, 4, 4, 800 + at.cell);
   const float torn = glm::smoothstep(0.25f * age, 0.25f * age + 0.5f, billows);
-  // Nothing reaches the border of the cell.
+  // Nothing reaches the cell's border.
   const float rim = 1.0f - glm::smoothstep(0.80f, 0.98f, glm::length(at.p));
   Texel t;
   t.alpha = rim * (1.0f - glm::smoothstep(0.15f, 0.9f, r)) * glm::mix(1.0f, torn, 0.4f + 0.5f * age);
@@ -47,7 +47,7 @@ Texel smoke_texel(vec2 uv) {
   return t;
 }
 
-// A drop that narrows upward and sways; two waves of whole turns a loop make its end meet its start.
+// Draws a drop that narrows upward and sways. Two waves of whole periods make the loop seamless.
 Texel flame_texel(vec2 uv) {
   const InCell at(uv);
   const float turn = glm::two_pi<float>() * static_cast<float>(at.cell) / (flip_book_columns * flip_book_rows);
@@ -87,7 +87,7 @@ uint32_t paint_flame(ContentBuilder& b) {
   return paint_image(b, "flame", flip_book_columns * cell_side, flip_book_rows * cell_side, flame_texel);
 }
 
-// A column of smoke with glass before, within and behind it.
+// Makes a column of smoke with glass in front of, within and behind it.
 Content make_smoke(const Numbers& numbers) {
   const int count = numbers.whole_in_range("count", 1, 50000);
   ContentBuilder b("smoke");

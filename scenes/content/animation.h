@@ -1,5 +1,5 @@
-// How a scene moves: its nodes, the channels that animate them, and what hangs on them. Made by the loader, read only
-// afterwards. Any thread.
+// Holds how a scene moves: its nodes, the channels that animate them, and what is attached to them. Made by the loader,
+// then immutable. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -20,18 +20,18 @@ struct Placement {
 };
 glm::dmat4 matrix_of(const Placement& placement);
 
-// Rotation and place of a node without its scale: glTF lets neither cameras nor lights be scaled. Not finite where
-// there is no rotation in it.
+// Returns a node's rotation and translation without its scale, because glTF scales neither cameras nor lights. Not
+// finite if the matrix has no rotation.
 glm::dmat4 without_scale(const glm::dmat4& world_from_node);
 
 struct RigNode {
-  int parent = -1;  // stands before it in the list
+  int parent = -1;  // comes before it in the list
   bool is_animated = false, moves = false;
   bool is_morphing = false;  // a channel changes its weights
-  bool is_hidden = false;    // at rest, with all below it (KHR_node_visibility)
-  bool blinks = false;       // a channel hides it, or a node above it
-  glm::dmat4 parent_from_node{1.0};  // where it is not animated
-  Placement rest;                    // what channels leave alone
+  bool is_hidden = false;    // at rest, with its subtree (KHR_node_visibility)
+  bool blinks = false;       // a channel hides it or an ancestor
+  glm::dmat4 parent_from_node{1.0};  // for nodes without animation
+  Placement rest;                    // values that no channel changes
 };
 
 struct Skin {
@@ -39,21 +39,21 @@ struct Skin {
   std::vector<glm::dmat4> joint_from_mesh;  // inverse bind matrices
 };
 
-// A mesh that belongs to one object alone and is skinned into world space.
+// A mesh of a single object that is skinned into world space.
 struct SkinnedMesh {
   uint32_t mesh = 0, skin = 0;
-  int morphed = -1;                                 // of Rig::morphed: what is blended before it is bent
-  std::vector<float> positions, normals, tangents;  // unbent
+  int morphed = -1;                                 // index in Rig::morphed: the mesh that is blended before skinning
+  std::vector<float> positions, normals, tangents;  // before skinning
   uint32_t influences = 0;                          // a vertex
   std::vector<uint16_t> joints;                     // into Skin::joints
-  std::vector<float> weights;                       // of each vertex: >= 0, sum 1
+  std::vector<float> weights;                       // of each vertex: >= 0, with the sum 1
 };
 
-// Content::objects, cameras or lights [index] hangs on a node.
+// Attaches Content::objects, cameras or lights [index] to a node.
 struct Attached {
   uint32_t index = 0, node = 0;
   glm::dmat4 node_from_it{1.0};
-  bool is_in_world = false;  // skinned: it stands in the world, whatever its node does
+  bool is_in_world = false;  // skinned: it is in world space, whatever its node's transform
 };
 
 class Rig {
@@ -76,7 +76,7 @@ class Rig {
 
 void place_light(sideray_light& light, const glm::dmat4& world_from_light);
 void set_transform(Object& object, const glm::dmat4& world_from_object);
-// Whether anything placed so can be drawn and traced.
+// Returns whether an object with this transform can be drawn and traced.
 bool can_be_inverted(const glm::dmat4& m);
 
 }  // namespace sideray::scenes

@@ -1,4 +1,4 @@
-// A value over time: keys, and what lies between them. Made by the loader, read only afterwards. Any thread.
+// Holds a value over time: keys and their interpolation. Made by the loader, then immutable. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -10,24 +10,24 @@ namespace sideray::scenes {
 enum class Interpolation { step, linear, cubic };
 enum class Property { translation, rotation, scale, weights, visible, value };
 
-// One property of one node over time, or a value of something else. Values are 3 numbers a key, rotations 4 (x, y, z,
-// w), weights one for each target; cubic keys are (in-tangent, value, out-tangent), as glTF stores them.
+// Animates one property of one node, or another value. A key has 3 numbers, rotations 4 (x, y, z, w), weights one for
+// each target. Cubic keys are (in-tangent, value, out-tangent), as in glTF.
 struct Channel {
-  uint32_t node = 0;  // not of values
+  uint32_t node = 0;  // unused for other values
   Property property = Property::translation;
-  uint32_t targets = 0;  // of weights; of values, the numbers of one
+  uint32_t targets = 0;  // of weights; for other values, their number of numbers
   Interpolation interpolation = Interpolation::linear;
-  double period_s = 0;        // the length of its animation, after which it starts again
-  std::vector<float> times;   // seconds, not falling; at least one
+  double period_s = 0;        // length of its animation, which loops
+  std::vector<float> times;   // seconds, in ascending order; at least one
   std::vector<float> values;  // finite
 };
 
-// The number of numbers that a key has.
+// Returns how many numbers a key has.
 size_t components_of(const Channel& channel);
 
-// The value at a time; before the first key and behind the last one it stands still. Rotations have unit length.
+// Returns the value at a time; it is constant before the first and after the last key. Rotations have unit length.
 glm::dvec4 sample(const Channel& channel, double time_s);
-// The same of weights.
+// Does the same for weights.
 std::vector<double> sample_weights(const Channel& channel, double time_s);
 
 }  // namespace sideray::scenes

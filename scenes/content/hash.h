@@ -1,18 +1,19 @@
-// Random numbers that are functions of their arguments. Any thread.
+// Makes random numbers as functions of their arguments. Any thread.
 #pragma once
 
 #include <cstdint>
 
 namespace sideray::scenes {
 
-// Mixes the bits of a number, like a pcg (Jarzynski and Olano 2020, Hash Functions for GPU Rendering).
+// Mixes the bits of a number like PCG (Jarzynski and Olano 2020, Hash Functions for GPU Rendering).
 inline uint32_t mixed_bits(uint32_t v) {
   v = v * 747796405u + 2891336453u;
   v = ((v >> ((v >> 28) + 4)) ^ v) * 277803737u;
   return (v >> 22) ^ v;
 }
 
-// A fixed random number in [0, 1) of its arguments: the same everywhere. Inline, since textures are painted with it.
+// Returns a random number in [0, 1) for its arguments, the same on every machine. Inline, because textures are painted
+// with it.
 inline float hash01(uint32_t a, uint32_t b = 0, uint32_t c = 0) {
   return static_cast<float>(mixed_bits(a + mixed_bits(b + mixed_bits(c))) >> 8) * 0x1p-24f;
 }

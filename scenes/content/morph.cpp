@@ -17,7 +17,7 @@ bool changes(const MorphTargets& targets, std::span<const double> weights, Attri
   return false;
 }
 
-// Returns the blended values, `stride` a vertex in the base and `components` of them in the targets.
+// Returns the blended values, with `stride` numbers a vertex in the base and `components` in the targets.
 std::vector<double> sum(const std::vector<float>& base, const MorphTargets& targets, std::span<const double> weights,
                         Attribute attribute, size_t stride, size_t components) {
   std::vector<double> values(base.begin(), base.end());
@@ -43,7 +43,7 @@ void blend_positions(const Mesh& base, const MorphTargets& targets, std::span<co
   }
 }
 
-// Of 3 numbers a vertex, or of 4 whose last stays. A direction that is blended to nothing stays the base's.
+// Blends directions of 3 numbers, or of 4 whose last stays. A direction that becomes 0 stays the base's.
 void blend_directions(const std::vector<float>& base, const MorphTargets& targets, std::span<const double> weights,
                       Attribute attribute, size_t stride, std::vector<float>& to) {
   to = base;

@@ -39,7 +39,7 @@ Shape& Shape::box(glm::vec3 l, glm::vec3 h, float uv_per_unit) {
 
 Shape& Shape::lathe(glm::vec3 axis, const std::vector<glm::vec2>& profile, uint32_t segments, float crease_deg) {
   const float limit = elementary::cos(glm::radians(crease_deg));
-  std::vector<glm::vec2> outward;  // of each profile edge: to the right of its direction
+  std::vector<glm::vec2> outward;  // for each profile edge: to the right of its direction
   for (size_t e = 0; e + 1 < profile.size(); ++e) {
     const glm::vec2 d = glm::normalize(profile[e + 1] - profile[e]);
     outward.emplace_back(d.y, -d.x);
@@ -59,7 +59,7 @@ Shape& Shape::lathe(glm::vec3 axis, const std::vector<glm::vec2>& profile, uint3
     const float v1 = 1.0f - static_cast<float>(e + 1) / static_cast<float>(profile.size() - 1);
     const uint32_t first = static_cast<uint32_t>(mesh_.positions.size() / 3);
     for (uint32_t s = 0; s <= segments; ++s) {
-      // The last column repeats the first to the bit, so that the surface is watertight.
+      // The last column equals the first to the bit, so that the surface is watertight.
       const float turn = static_cast<float>(s % segments) / static_cast<float>(segments);
       const float u = static_cast<float>(s) / static_cast<float>(segments);
       vertex(axis + spin(turn, profile[e]), glm::normalize(spin(turn, n0)), {u, v0});
@@ -91,7 +91,7 @@ Shape& Shape::cylinder(glm::vec3 base, float radius, float height, uint32_t segm
 
 Shape& Shape::bevelled_box(glm::vec3 low, glm::vec3 high, float bevel, float uv_per_unit) {
   const glm::vec3 middle = 0.5f * (low + high), half = 0.5f * (high - low), flat = half - bevel;
-  const auto at = [&](glm::vec3 sign, int axis) {  // the corner `sign` of the face that looks along `axis`
+  const auto at = [&](glm::vec3 sign, int axis) {  // a corner of the face that points along `axis`
     glm::vec3 p = flat;
     p[axis] = half[axis];
     return middle + sign * p;
@@ -117,7 +117,7 @@ Shape& Shape::bevelled_box(glm::vec3 low, glm::vec3 high, float bevel, float uv_
         return s;
       };
       face(at(sign(-1, -1), axis), at(sign(1, -1), axis), at(sign(1, 1), axis), at(sign(-1, 1), axis));
-      // The cut edges along `axis`: between the faces u and v.
+      // The cut edges along `axis`, between the faces u and v.
       glm::vec3 from(-1), to(-1);
       from[u] = to[u] = side, from[v] = to[v] = 1.0f;
       to[axis] = 1.0f;
@@ -149,7 +149,7 @@ Shape& Shape::tube(const std::vector<glm::vec3>& points, float radius, uint32_t 
   for (size_t i = 0; i < path.size(); ++i) {
     const glm::vec3 ahead = ahead_at(i);
     if (i == 0) across = std::abs(ahead.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
-    across = glm::normalize(across - ahead * glm::dot(across, ahead));  // carried along without twisting
+    across = glm::normalize(across - ahead * glm::dot(across, ahead));  // transported without twist
     if (i > 0) travelled += glm::length(path[i] - path[i - 1]);
     for (uint32_t s = 0; s <= sides; ++s) {
       const float angle = glm::two_pi<float>() * static_cast<float>(s % sides) / static_cast<float>(sides);
@@ -230,7 +230,7 @@ std::vector<Point> curve_through(const std::vector<Point>& points, uint32_t step
   for (size_t i = 0; i + 1 < points.size(); ++i) {
     const Point b = points[i], c = points[i + 1];
     if (b == c) continue;
-    // A neighbour beyond a corner or the end lies straight on.
+    // A neighbour beyond a corner or an end is extrapolated in a straight line.
     const Point a = i > 0 && points[i - 1] != b ? points[i - 1] : b + (b - c);
     const Point d = i + 2 < points.size() && points[i + 2] != c ? points[i + 2] : c + (c - b);
     for (uint32_t k = 0; k < steps; ++k) {
@@ -261,7 +261,8 @@ Mesh Shape::mesh(std::string name) const {
 
 namespace {
 
-// Per-vertex tangents from uv gradients; the bitangent points up the image, against v. Where uv are degenerate, any.
+// Adds tangents from uv gradients; the bitangent points up in the image, against v. Degenerate uv get an arbitrary
+// tangent.
 void add_tangents(Mesh& mesh) {
   const auto at3 = [](const std::vector<float>& v, size_t i) {
     return glm::vec3(v[3 * i], v[3 * i + 1], v[3 * i + 2]);
@@ -405,7 +406,7 @@ sideray_light sun_light(glm::vec3 direction, glm::vec3 irradiance) {
   light.size = sizeof(light);
   light.type = SIDERAY_LIGHT_DIRECTIONAL;
   light.angular_diameter_deg = 0.53f;
-  // A file keeps no length: of unit length it comes back from there to the last bit.
+  // Files do not store its length: as a unit vector it is read back to the last bit.
   const glm::vec3 unit(glm::normalize(glm::dvec3(direction)));
   for (int i = 0; i < 3; ++i) light.direction[i] = unit[i], light.intensity[i] = irradiance[i];
   return light;

@@ -1,4 +1,4 @@
-// Checks that a .glb file will be read again (limits.h, docs/limits.md) before it is written. Called by the writer; any
+// Checks before a .glb file is written that it can be read again (limits.h, docs/limits.md). Called by the writer; any
 // thread.
 #pragma once
 
@@ -10,14 +10,14 @@
 
 namespace sideray::scenes {
 
-// Counts objects, lights, vertices and texels. Throws Error, which names `path` and what is too much.
+// Counts objects, lights, vertices and texels. Throws Error, which names `path` and the count that is too large.
 void require_readable(const std::string& path, const Content& content);
 
-// Counts JSON values as the reader does, while they are made, so that no more than the limit is ever in memory.
+// Counts JSON values as the reader does, while they are created, so that memory never holds more than the limit.
 class JsonCount {
  public:
   explicit JsonCount(const std::string& path) : path_(path) {}
-  // `depth`: how many objects and lists are around the value. Throws Error, which says how many `nodes` are too many.
+  // `depth`: the number of objects and lists around the value. Throws Error, which says how many `nodes` are too many.
   void add(const nlohmann::json& value, int depth, size_t nodes);
 
  private:

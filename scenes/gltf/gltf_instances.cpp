@@ -10,7 +10,7 @@
 namespace sideray::scenes::gltf {
 namespace {
 
-// Reads the attributes of one node, all of which have one element an instance.
+// Reads the attributes of one node; each has one element for each instance.
 class AttributeReader {
  public:
   AttributeReader(const File& file, const tinygltf::Value& attributes, const std::string& name)
@@ -18,10 +18,10 @@ class AttributeReader {
     count_instances();
   }
 
-  // Attributes of other programs count too.
+  // Includes attributes of other programs.
   size_t count() const { return count_; }
 
-  // Empty where the node lacks the attribute.
+  // Returns an empty list if the node lacks the attribute.
   std::vector<float> read(const char* key, uint32_t components) const {
     if (!attributes_.Has(key)) return {};
     const std::string user = user_of(key);
@@ -31,7 +31,7 @@ class AttributeReader {
     return values;
   }
 
-  // One row of each instance's matrix, four doubles in 16 unsigned shorts.
+  // Returns one row of every instance's matrix; a row is four doubles in 16 unsigned shorts.
   std::vector<double> read_row(const char* key) const {
     if (!attributes_.Has(key)) return {};
     const std::string user = user_of(key);
@@ -48,7 +48,7 @@ class AttributeReader {
   }
 
  private:
-  // Puts four unsigned shorts together, the lowest bits first.
+  // Joins four unsigned shorts into a double, the lowest bits first.
   static double double_of(const float* parts) {
     uint64_t bits = 0;
     for (int i = 0; i < 4; ++i) bits |= static_cast<uint64_t>(parts[i]) << (16 * i);
@@ -64,7 +64,7 @@ class AttributeReader {
     return static_cast<int>(index);
   }
 
-  // Called before any memory is taken.
+  // Must be called before memory is allocated.
   void count_instances() {
     for (const std::string& key : attributes_.Keys()) {
       const std::string user = user_of(key);
@@ -77,7 +77,7 @@ class AttributeReader {
     if (count_ > limits::objects)
       refuse("cannot read {}: node {} has {} instances, more than {}; use a smaller scene", file_.path, name_, count_,
              limits::objects);
-    // Two matrices each, while they are put together.
+    // The two matrices of each instance during assembly.
     file_.budget.check_memory(count_ * 2 * sizeof(glm::dmat4), "node " + name_);
   }
 
@@ -99,7 +99,7 @@ std::vector<glm::dmat4> placements(const AttributeReader& attributes) {
   return transforms;
 }
 
-// Says whether two transforms are one but for the rounding of floats.
+// Returns whether two transforms are equal up to the rounding of floats.
 bool is_same_place(const glm::dmat4& exact, const glm::dmat4& rounded) {
   constexpr double tolerance = 1e-5;
   for (int c = 0; c < 4; ++c) {
@@ -113,8 +113,8 @@ bool is_same_place(const glm::dmat4& exact, const glm::dmat4& rounded) {
   return true;
 }
 
-// Takes the doubles that the floats of TRANSLATION, ROTATION and SCALE were rounded from. Where an instance was moved
-// since, by a program that knows nothing of them, its floats hold.
+// Replaces the transforms from TRANSLATION, ROTATION and SCALE, which are rounded to floats, by the exact doubles. An
+// instance whose floats disagree was moved by a program that ignores the doubles, and keeps its floats.
 void make_exact(const AttributeReader& attributes, const std::string& name, Content& content,
                 std::vector<glm::dmat4>& transforms) {
   std::vector<glm::dmat4> exact = transforms;
@@ -158,7 +158,7 @@ std::vector<uint32_t> object_indices(const File& file, const AttributeReader& at
   return indices;
 }
 
-// Returns null where the node is not instanced.
+// Returns null if the node is not instanced.
 const tinygltf::Value* attributes_of(const tinygltf::Node& node) {
   const tinygltf::Value* e = extension(node.extensions, instancing_extension);
   if (e == nullptr || !e->Has("attributes")) return nullptr;

@@ -1,4 +1,4 @@
-// What the pointers of KHR_animation_pointer lead to. One thread.
+// Resolves the pointers of KHR_animation_pointer. One thread.
 #pragma once
 
 #include <set>
@@ -9,7 +9,7 @@
 
 namespace sideray::scenes::gltf {
 
-// "/materials/3/alphaCutoff": the property "alphaCutoff" of material 3.
+// The target of a pointer: "/materials/3/alphaCutoff" is the property "alphaCutoff" of material 3.
 struct PointerTarget {
   enum class Kind { nothing, node, mesh, material, light, camera };
   Kind kind = Kind::nothing;
@@ -17,18 +17,18 @@ struct PointerTarget {
   std::string property;
 };
 
-// `kind` is nothing where the pointer leads to what no animation of ours changes. Throws Error where it names an
-// element that is not there, or is no pointer.
+// `kind` is `nothing` if the target is a property that Sideray does not animate. Throws Error if the pointer names an
+// element that does not exist, or is malformed.
 PointerTarget pointer_target(const File& file, const std::string& pointer, const std::string& user);
 
-// How many numbers a value of a material, light or camera has; 0 where the property is none that we have.
+// Returns the count of numbers of a material's, light's or camera's property; 0 if Sideray does not have the property.
 uint32_t numbers_of(const PointerTarget& target);
 
-// The materials whose thickness some of `values` change.
+// Returns the materials whose thickness is among the animated `values`.
 std::set<uint32_t> varying_thickness(std::span<const AnimatedValue> values);
 
-// Gives the rig what `values` change. `materials`, `lights` and `cameras` say which of the content are those of the
-// file.
+// Adds the animated `values` to the rig. `materials`, `lights` and `cameras` link elements of the content with those of
+// the file.
 struct ReadThings {
   std::vector<ScaledMaterial> materials;
   std::vector<ReadThing> lights, cameras;

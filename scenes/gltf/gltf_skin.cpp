@@ -4,11 +4,11 @@
 #include "scenes/base/limits.h"
 #include "scenes/gltf/gltf.h"
 
-// Skins and the vertices that hang on them.
+// Reads skins and the vertices attached to them.
 namespace sideray::scenes::gltf {
 namespace {
 
-constexpr uint32_t most_sets = 2;  // of four influences each
+constexpr uint32_t most_sets = 2;  // of four joints each
 
 size_t attribute_sets(const tinygltf::Primitive& primitive) {
   size_t sets = 0;
@@ -19,7 +19,7 @@ size_t attribute_sets(const tinygltf::Primitive& primitive) {
   return sets;
 }
 
-// Weights that are no shares become such; a vertex without any follows its first joint.
+// Replaces invalid weights by 0 and makes the sum 1; a vertex without weights follows its first joint.
 void normalize(float* weights, uint32_t count) {
   double sum = 0.0;
   for (uint32_t i = 0; i < count; ++i) {

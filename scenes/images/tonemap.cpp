@@ -27,8 +27,8 @@ double aces(double x) {
   return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
 }
 
-// three.js's ACESFilmicToneMapping: S. Hill's fit of the ACES reference and output transforms, which turns colours to grey as
-// they get bright, of 1 / 0.6 of the radiance.
+// Is three.js's ACESFilmicToneMapping: S. Hill's fit of the ACES reference and output transforms, which turns bright
+// colours to grey, applied to the radiance divided by 0.6.
 Color aces_filmic(Color color) {
   using Rows = std::array<Color, 3>;
   constexpr Rows into{{{0.59719, 0.35458, 0.04823}, {0.07600, 0.90834, 0.01566}, {0.02840, 0.13383, 0.83777}}};
@@ -38,7 +38,7 @@ Color aces_filmic(Color color) {
     for (size_t i = 0; i < 3; ++i) product[i] = rows[i][0] * c[0] + rows[i][1] * c[1] + rows[i][2] * c[2];
     return product;
   };
-  for (double& c : color) c = std::min(c / 0.6, 1e6);  // beyond that the fit is flat, and its squares are finite
+  for (double& c : color) c = std::min(c / 0.6, 1e6);  // the fit is flat above, and its squares stay finite
   color = times(into, color);
   for (double& c : color) c = (c * (c + 0.0245786) - 0.000090537) / (c * (0.983729 * c + 0.4329510) + 0.238081);
   return times(out, color);
@@ -113,7 +113,7 @@ std::vector<float> display_values(const Image& image, float exposure_ev, Tonemap
     Color color{};
     for (size_t c = 0; c < 3; ++c) {
       const double value = double{planes[c]->values[i]} * exposure;
-      // NaN and negative become black; the bound keeps the tone maps finite.
+      // NaN and negative values become black; the bound keeps the tone maps finite.
       color[c] = value > 0.0 ? std::min(value, 1e30) : 0.0;
     }
     color = mapped(color, tonemap);

@@ -1,4 +1,4 @@
-// The one translation unit that holds tinygltf's implementation.
+// Holds tinygltf's implementation; no other translation unit may.
 #include <nlohmann/json.hpp>
 
 #define TINYGLTF_IMPLEMENTATION

@@ -1,5 +1,5 @@
-// Does the arithmetic of the shadow denoiser over rows of sixteen pixels, compiled for several instruction sets as
-// rt/surfaces/shade_kernels.h is: plain arrays in, plain arrays out, same bits for each. Any thread may call it.
+// Does the arithmetic of the shadow denoiser over rows of sixteen pixels. It is compiled for several instruction sets,
+// as rt/surfaces/shade_kernels.h is: plain arrays in and out, the same bits for each set. Any thread may call it.
 #pragma once
 
 #include <stdint.h>
@@ -8,34 +8,34 @@ namespace sideray::rt {
 
 inline constexpr int shadow_tile = 16;
 
-// Holds a light and a view as shading::SfLight and shading::SfView do.
+// Holds the fields of shading::SfLight and shading::SfView.
 struct ShadowTerms {
   float light_position[3], light_radius, light_tan_radius, light_most_penumbra, light_most_frames;
   float origin_x, origin_y, step_x, step_y, before[3], before_offset;
 };
 
-// Refers to images of one layout, with a border of a tile all around where there is no surface.
+// Refers to images of one layout, all with a border of one tile that has no surface.
 struct ShadowPlanes {
   float *visibility, *filtered, *nearness, *reach;
-  float *inverse, *slope_x, *slope_y;  // the same for all lights
+  float *inverse, *slope_x, *slope_y;  // shared by all lights
   int32_t stride;                      // floats from one row to the next
 };
 
-// Refers to what a frame leaves to the next one.
+// Refers to the images that a frame passes on to the next.
 struct ShadowHistoryPlanes {
   float *value, *frames, *inverse;
 };
 
-// Holds values of a tile, column by column.
+// Holds a tile's values, one entry a column.
 struct alignas(64) ShadowColumns {
-  float least[shadow_tile], most[shadow_tile];  // least and most visibility
+  float least[shadow_tile], most[shadow_tile];  // smallest and largest visibility
   float distances[shadow_tile], hits[shadow_tile];
 };
 
-// All functions take the sixteen pixels from (x, y) on, which lie at index `at`.
+// All functions process the sixteen pixels from (x, y) on; the first is at index `at`.
 struct ShadowKernels {
   void (*invert)(const float* depth, float* inverse);
-  // Needs the inverse depths of the rows around.
+  // Needs the inverse depths of the rows above and below.
   void (*slope)(const ShadowPlanes& planes, int32_t at);
   // `darkest`: the least visibility of the images that share a reach.
   void (*load)(const float* visibility, const float* darkest, const float* hit_distance, const ShadowPlanes& planes,
@@ -51,8 +51,8 @@ struct ShadowKernels {
                      int32_t width, int32_t height);
 };
 
-// Returns the kernels for an instruction set: "avx512", "avx2", otherwise the baseline; null: the widest of the processor,
-// which must have what it is asked for.
+// Returns the kernels of an instruction set: "avx512", "avx2", otherwise the baseline; null selects the processor's
+// widest. The processor must have the set.
 const ShadowKernels& shadow_kernels(const char* isa = nullptr);
 
 }  // namespace sideray::rt

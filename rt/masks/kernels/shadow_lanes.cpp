@@ -1,5 +1,5 @@
-// Compiled once for each instruction set (sideray_lanes() in rt/CMakeLists.txt; rt/base/lanes.h).
-// Any thread may call them.
+// Is compiled once for each instruction set (sideray_lanes() in rt/CMakeLists.txt; rt/base/lanes.h). Any thread may
+// call the kernels.
 #include "rt/base/lane_reads.h"
 #include "rt/masks/kernels/shadow_kernels.h"
 
@@ -56,14 +56,14 @@ void load_row(const float* visibility, const float* darkest, const float* hit_di
   }
 }
 
-// Returns the mean nearness of what shades the 5x5 pixels around, as far as they lie on the plane.
+// Returns the mean nearness of the occluders in the 5x5 pixels around, counting only pixels on the plane.
 SIDERAY_LANE real nearness_around(const ShadowPlanes& p, SfPlane plane, int32_t at, float otherwise) {
   real sum(0.0f), total(0.0f);
   for (int32_t dy = -2; dy <= 2; ++dy)
     for (int32_t dx = -2; dx <= 2; ++dx) {
       const int32_t other = at + dy * p.stride + dx;
       const real nearness = load_any(p.nearness + other);
-      if (!sr_any(nearness > 0.0f)) continue;  // as in every other row: few pixels have a measured distance
+      if (!sr_any(nearness > 0.0f)) continue;  // skips most rows early: few pixels have a measured distance
       const real on = sf_on_plane(plane, static_cast<float>(dx), static_cast<float>(dy), load_any(p.inverse + other));
       const real weight = sr_select(nearness > 0.0f, on, real(0.0f));
       sum = sum + weight * nearness;
@@ -84,8 +84,8 @@ void prepare_row(const ShadowTerms& terms, const ShadowPlanes& p, int32_t first,
   }
 }
 
-// Returns whether the lanes are lit, all of them and all eight pixels around at `step`, or in shadow: a mean of what is
-// the same is that, whatever the weights.
+// Returns whether the lanes and all eight neighbours at `step` are lit, or all in shadow: then the weights do not
+// change the mean.
 SIDERAY_LANE bool is_even(const float* visibility, int32_t stride, int32_t step) {
   const float value = visibility[0];
   if (value != 0.0f && value != 1.0f) return false;
@@ -155,7 +155,7 @@ SIDERAY_LANE SfMoments moments_around(const ShadowPlanes& p, SfPlane plane, int3
   return {total, sum / most, square / most};
 }
 
-// Returns the previous frame's value at (x, y), interpolated between those of four pixels that lie on the plane.
+// Returns the previous frame's value at (x, y), interpolated between the four pixels around that lie on the plane.
 SIDERAY_LANE SfHistory history_at(const ShadowHistoryPlanes& before, SfPlane plane, real x, real y, int32_t first,
                                   int32_t stride) {
   const real corner_x = floor(x), corner_y = floor(y);
@@ -186,13 +186,13 @@ void accumulate_row(const ShadowTerms& terms, const ShadowPlanes& p, const Shado
     const SfPlane plane = plane_at(p, at);
     SfPlane then = plane;
     then.inverse = sf_inverse_before(view_of(terms), here_x, here_y, plane.inverse);
-    // A coordinate that is NaN, or lies outside, reads the border.
+    // A NaN or a coordinate outside the picture reads the border.
     const real from_x = min(max(real(-2.0f), here_x - load_any(motion + i)), static_cast<float>(width + 1));
     const real from_y =
         min(max(real(-2.0f), here_y - load_any(motion + shadow_tile + i)), static_cast<float>(height + 1));
     const SfHistory known = history_at(before, then, from_x, from_y, first, p.stride);
     const real seen = load_any(p.visibility + at);
-    // What is known exactly need not be clamped to its neighbourhood.
+    // An exact history needs no clamping to its neighbourhood.
     SfMoments around{0.0f, 0.0f, 0.0f};
     if (sr_any(known.frames > 0.0f && !(known.value == seen))) around = moments_around(p, plane, at);
     const SfHistory now =

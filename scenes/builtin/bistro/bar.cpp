@@ -106,7 +106,7 @@ void stock_shelves(Kit& kit) {
   for (size_t row = 0; row < shelf_y.size(); ++row)
     for (int i = 0; i < 26; ++i, ++n) {
       const float z = far_z + 0.14f + 0.187f * static_cast<float>(i) + 0.02f * kit.random(300, n);
-      if (std::fmod(z - far_z + 0.09f, (near_z - far_z) / 3.0f) < 0.18f) continue;  // where the uprights stand
+      if (std::fmod(z - far_z + 0.09f, (near_z - far_z) / 3.0f) < 0.18f) continue;  // position of an upright
       const vec3 at(shelf_x + 0.13f + 0.05f * kit.random(301, n), shelf_y[row], z);
       const std::string suffix = fmt::format(".shelf{}.{}", row, i);
       const auto pick = [&](uint32_t salt, int choices) {
@@ -123,7 +123,7 @@ void stock_shelves(Kit& kit) {
     }
 }
 
-// Fills the counter: glasses, bottles, an old vitrine.
+// Places glasses, bottles and an old vitrine on the counter.
 void dress_counter(Kit& kit) {
   const float x = 0.5f * (front_x + inner_x);
   for (int i = 0; i < 9; ++i) {

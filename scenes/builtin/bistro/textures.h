@@ -1,4 +1,4 @@
-// The bistro's textures: each call paints one into the content. Any thread.
+// Paints the bistro's textures: each call adds one to the content. Any thread.
 #pragma once
 
 #include "scenes/builtin/bistro/bistro.h"

@@ -11,7 +11,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Every extension that is known; a note says what is shown where it is not played.
+// Returns null for an unknown extension. A note tells users what is shown instead of an extension that is known but not
+// read.
 const char* const* note_of(const std::string& extension) {
   static const std::map<std::string, const char*> known{{"EXT_mesh_gpu_instancing", nullptr},
                                                         {"EXT_meshopt_compression", nullptr},

@@ -1,4 +1,4 @@
-// The extensions of glTF that are read. Any thread.
+// Knows which glTF extensions are read. Any thread.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -9,7 +9,7 @@
 
 namespace sideray::scenes::gltf {
 
-// Warns of extensions that are used and not read, and throws Error where one is required.
+// Warns of extensions that are used but not read, and throws Error if such an extension is required.
 void check_extensions(const nlohmann::json& root, const std::string& path, Warnings& warnings);
 
 }  // namespace sideray::scenes::gltf
