@@ -57,7 +57,7 @@ void bend_meshes(Scene& scene, const Content& content) {
     if (!morphed.is_skinned) scene.set_vertices(morphed.mesh + 1, desc_of(content.meshes[morphed.mesh]));
 }
 
-// Adds skinned meshes in their rest pose and morphed ones in a generic shape, because triangles that a pose makes
+// Adds skinned meshes without their skin and morphed ones in a generic shape, because triangles that a pose makes
 // degenerate would be dropped permanently; the pose is set afterwards.
 std::vector<sideray_mesh> add_meshes(Scene& scene, const Content& content) {
   std::vector<sideray_mesh_desc> descs;

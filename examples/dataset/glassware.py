@@ -17,12 +17,12 @@ GLASS = {
         "KHR_materials_volume": {"thicknessFactor": 0.003},
     },
 }
-# By what a path of so many metres leaves of white light.
+# Tints: the colour that white light has after so many metres.
 TINTS = {"clear": None, "green": (0.02, [0.55, 0.85, 0.6]), "brown": (0.01, [0.75, 0.45, 0.2]), "blue": (0.02, [0.5, 0.7, 0.95])}
 LIQUIDS = {"water": (1.33, None), "tea": (1.33, (0.05, [0.8, 0.4, 0.1])), "oil": (1.47, (0.08, [0.95, 0.85, 0.3]))}
 
 # Outline of a closed wall as (radius, height) in centimetres: up the outside, over the rim, down the inside; the first
-# and the last point lie on the axis. And, where a liquid can stand in it, the part of the inside that it touches.
+# and the last point lie on the axis.
 SHAPES = {
     "tumbler": [(0, 0), (2.9, 0), (3.1, 0.3), (3.9, 9.4), (3.9, 9.6), (3.7, 9.6), (3.65, 9.4), (2.9, 1.1), (2.5, 0.9), (0, 0.9)],
     "wineglass": [(0, 0), (3.4, 0), (3.5, 0.15), (3.3, 0.35), (0.9, 0.7), (0.4, 1.6), (0.38, 7.5), (0.8, 8.3), (2.8, 9.8), (3.9, 12.3),
@@ -35,7 +35,7 @@ SHAPES = {
     "vial": [(0, 0), (1.1, 0), (1.25, 0.2), (1.25, 5.4), (1.0, 6.0), (1.0, 6.6), (1.15, 6.7), (1.1, 6.9), (0.85, 6.8), (0.85, 5.9),
              (1.12, 5.3), (1.12, 0.35), (0.9, 0.18), (0, 0.18)],
 }
-# Where the inside begins among a shape's points, for a liquid: from there to the end.
+# For shapes that can hold a liquid: the index of the first point on the inside, which continues to the last point.
 FILLED_FROM = {"tumbler": 6, "wineglass": 12, "flask": 9, "bowl": 7, "vial": 9}
 
 
@@ -68,7 +68,7 @@ def lathe(points, segments=72):
     k = np.arange(segments)[None, :]
     next_k = (k + 1) % segments
     a, b, d, e = i + k, i + next_k, i + segments + k, i + segments + next_k
-    # At the axis a quad is one triangle.
+    # At the axis a quad becomes one triangle.
     lower, upper = np.stack([a, d, e], -1)[~on_axis[1:]], np.stack([a, e, b], -1)[~on_axis[:-1]]
     triangles = np.concatenate([lower.reshape(-1, 3), upper.reshape(-1, 3)])
     return turned(p).reshape(-1, 3), turned(normal).reshape(-1, 3), triangles
@@ -220,7 +220,7 @@ def add_table(glb, rng):
 
 def add_glass(glb, rng, shape, place, number):
     tint = TINTS[rng.choice(list(TINTS), p=[0.6, 0.15, 0.1, 0.15])]
-    # A hair above the table, as real glasses stand.
+    # A fifth of a millimetre above the table, like a real glass.
     translation = [float(place[0]), 2e-4, float(place[1])]
     mesh = glb.mesh(*lathe(SHAPES[shape]), glass_material(glb, tint))
     glb.node(f"{shape}_{number}", mesh=mesh, translation=translation)

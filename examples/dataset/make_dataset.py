@@ -25,10 +25,10 @@ import numpy as np
 import sideray
 from sideray import datasets
 
-SHAPES = list(glassware.SHAPES)  # numbered from 1 on, as models
+SHAPES = list(glassware.SHAPES)  # models are numbered from 1
 CATEGORIES = [*SHAPES, *glassware.LIQUIDS, "opaque", "table"]
 OPTIONS = {"translucency": "raytraced", "layers": "unlimited", "samples": 4}
-# Models of BOP stand on the XY plane, and their origin is the middle of their box.
+# BOP models stand on the XY plane, with the origin in the middle of their box.
 Y_UP_FROM_Z_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 
 

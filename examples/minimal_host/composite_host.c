@@ -9,8 +9,8 @@
 #include "engine.h"
 #include "quads.h"
 
-/* Creates a luminous floor, and the front of a block of glass: transmission, a thickness and an index of refraction
- * make it refract. */
+/* Creates a floor that emits the drawn colour, and the front of a block of glass: transmission, a thickness and an
+ * index of refraction make it refract. */
 static sideray_scene* create_scene(void) {
   sideray_scene* scene = NULL;
   sideray_error error;

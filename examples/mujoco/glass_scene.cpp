@@ -25,7 +25,7 @@ void set_transform(const mjvGeom& geom, sideray_instance_desc& desc) {
   for (int row = 0; row < 3; ++row) desc.world_from_object[9 + row] = static_cast<double>(geom.pos[row]);
 }
 
-// Returns the mean colour of a cube texture, because materials have no cube textures.
+// Returns the mean colour of a cube texture, because rays do not look up its faces.
 std::array<float, 3> mean_color(const mjModel& model, int texture) {
   const size_t texels = static_cast<size_t>(model.tex_width[texture]) * static_cast<size_t>(model.tex_height[texture]);
   std::array<double, 3> sum{};

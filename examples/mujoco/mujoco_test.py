@@ -77,7 +77,7 @@ def main():
     before, after = draw(program, none, work)
     if changed(before, after):
         sys.exit(f"without glass {len(changed(before, after))} pixels are not those of mjr_render")
-    # Lights that follow a body shine otherwise in the first picture that mjr_render draws.
+    # Lights that follow a body look different in the first picture that mjr_render draws.
     humanoid = pathlib.Path("/usr/share/mujoco/model/humanoid/humanoid.xml")
     if humanoid.exists():
         before, after = draw(program, humanoid, work)

@@ -25,7 +25,7 @@ for _ in range(80):
 def draw(renderer):
     with renderer:
         renderer.update_scene(data)
-        renderer.render()  # what is drawn first is built first
+        renderer.render()  # the first picture includes building the scene
         begin = time.perf_counter()
         pixels = renderer.render()
         print(f"{type(renderer).__module__:40}{1000 * (time.perf_counter() - begin):8.1f} ms")

@@ -14,8 +14,8 @@ class Error(ctypes.Structure):
     _fields_ = [("status", ctypes.c_int), ("message", ctypes.c_char * 1020)]
 
 
-# Structs as sideray 0.3.0 has them. Later versions grow at their end: their libraries read the size that is set here,
-# and fill no more than it.
+# Structs of sideray 0.3.0. Later versions add fields at their end; their libraries read the size that is set here,
+# and write no more than that.
 class Camera(ctypes.Structure):
     _fields_ = [("size", ctypes.c_size_t), ("world_from_camera", ctypes.c_double * 12),
                 ("orthographic", ctypes.c_int32), ("yfov", ctypes.c_float), ("half_height", ctypes.c_float),
@@ -84,7 +84,7 @@ def picture(scene_name, width=320, height=180, **options):
             channels[channel.name.decode()] = channel.values[:width * height]
         return channels
     finally:
-        # Every one of these takes NULL.
+        # All of these accept NULL.
         sideray.sideray_picture_release(drawn)
         sideray.sideray_renderer_destroy(renderer)
         sideray.sideray_scene_release(scene)

@@ -88,7 +88,7 @@ def main():
         ours.append(given.envs / (time.perf_counter() - begin))
         try:
             theirs.append(one_by_one(model, env.states, width, height, camera))
-        except Exception as error:  # it has no OpenGL here
+        except Exception as error:  # there is no OpenGL here
             print(f"mujoco.Renderer draws nothing here: {error}")
             break
     env.close()

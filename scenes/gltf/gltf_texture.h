@@ -1,5 +1,5 @@
-// Converts the textures of a glTF file to slots of materials; each image is decoded once as sRGB and once as linear, if
-// used so. Knows tinygltf and the image codecs. One thread.
+// Converts the textures of a glTF file to slots of materials; each image becomes one texture for each way in which its
+// colours are read (sRGB or linear). Knows tinygltf and the image codecs. One thread.
 #pragma once
 
 #include <map>

@@ -13,8 +13,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Returns the parser's message without its identifier, and without the marks that structure our messages (“what: why;
-// what to do”).
+// Returns the parser's message without its identifier, and without the marks that structure our messages ("what: why;
+// what to do").
 std::string json_reason(std::string text) {
   const size_t identifier = text.find("] ");
   if (text.starts_with('[') && identifier != std::string::npos) text.erase(0, identifier + 2);
