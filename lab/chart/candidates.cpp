@@ -10,14 +10,14 @@ namespace {
 
 using Configurations = std::vector<Configuration>;
 
-// Whether an option that is given leaves the way open.
+// Returns whether the given options still allow this way.
 bool is_open(const Way& way, const Configuration& given) {
   const Axis& kind = way.front();
   const auto at = given.find(kind.option);
   return at == given.end() || kind.values.size() > 1 || at->second == kind.values.front();
 }
 
-// Every value of each axis with every value of the others; options that are given are not named.
+// Returns the product of the values of all axes, without the options that are given.
 Configurations crossed(const Way& way, const Configuration& given) {
   Configurations list{{}};
   for (const Axis& axis : way) {
@@ -38,7 +38,7 @@ std::vector<Way> open_ways(std::vector<Way> ways, const Configuration& given) {
   return ways;
 }
 
-// All configurations of the ways; one that says nothing where there are none.
+// Returns all configurations of the ways, or a single empty one where there are no ways.
 Configurations crossed(const std::vector<Way>& ways, const Configuration& given) {
   Configurations list;
   for (const Way& way : ways)
@@ -46,7 +46,7 @@ Configurations crossed(const std::vector<Way>& ways, const Configuration& given)
   return list.empty() ? Configurations{{}} : list;
 }
 
-// Adds the usual values of the way that the point goes, or of the usual way where it says none.
+// Adds the usual values of the way that `point` chooses, or of the first way where it chooses none.
 void complete(Configuration& point, const std::vector<Way>& ways, const Configuration& given) {
   const auto goes = [&](const Way& way) {
     const auto at = point.find(way.front().option);

@@ -40,7 +40,7 @@ struct Column {
   Json::json_pointer at;  // in a row of results.json
 };
 
-// Title and place of `group`'s keys, of all rows together.
+// Returns title and place of each key that `group` has in any row.
 std::vector<Column> columns_of(const Json& rows, const std::string& group, const std::string& prefix) {
   std::vector<Column> columns;
   for (const Json& row : rows) {
@@ -74,7 +74,7 @@ std::vector<Column> columns_of(const Json& rows) {
   return columns;
 }
 
-// RFC 4180; what is absent is empty.
+// Returns the value as a cell by RFC 4180, empty where the row has none.
 std::string cell(const Json& row, const Json::json_pointer& at) {
   if (!row.contains(at)) return "";
   const std::string text = row[at].is_string() ? row[at].get<std::string>() : row[at].dump();

@@ -12,20 +12,20 @@ namespace sideray::lab {
 struct ChartReference {
   std::string image;
   uint32_t light_samples = 0;
-  std::optional<double> self_error;      // relMSE between two independent halves; empty: there are no two halves
+  std::optional<double> self_error;      // relMSE between two independent halves; empty: it has no halves
   uint32_t bounces = 1;                  // of its light; 0 = unlimited
-  std::vector<double> self_errors = {};  // of a sequence: of the frames drawn so far; negative: of no halves
-  bool caustics = false;                 // of lamps on its paths
+  std::vector<double> self_errors = {};  // of the frames of a sequence drawn so far; negative: no halves
+  bool caustics = false;                 // whether it has those of lamps
 };
 
-// As statistics have them: a number, or "unlimited".
+// Returns them as statistics hold them: a number, or "unlimited".
 Json bounces_json(uint32_t bounces);
 
-// `metric` decides the error that the Pareto flags go by.
+// Returns results.json; `metric` names the error that decides what is on the Pareto front.
 Json results_json(const std::string& scene, const ChartReference& reference, std::span<const ChartRow> rows,
                   const std::string& metric);
 
-// One line a row of results.json: the options that differ between rows, times, rays, bytes, errors, pareto.
+// Returns one line for each row of results.json: the options that differ, times, rays, bytes, errors, pareto.
 std::string results_csv(const Json& results);
 
 }  // namespace sideray::lab

@@ -1,5 +1,5 @@
-// One point of a chart as it is measured, and its file: whole after every round, so that a later run goes on from it.
-// Plain memory; any thread.
+// Holds one point of a chart while it is measured, and its file, which is complete after every round, so that a later
+// run continues from it. Plain memory; any thread.
 #pragma once
 
 #include <map>
@@ -13,7 +13,7 @@ namespace sideray::lab {
 using Json = nlohmann::ordered_json;
 
 struct ChartRow {
-  Json made_with;  // what the row depends on: one made with anything else is another row
+  Json made_with;  // everything the row depends on; a different value makes another row
   Json stats;      // of the last round (docs/cli.md); null before the first
   Json error;      // metrics against the reference
   std::string image;
@@ -21,23 +21,23 @@ struct ChartRow {
   size_t frames = 1;                                     // in each round
 
   size_t rounds() const;
-  // `round`: the stats of each of its frames, timed once.
+  // Adds a round: the stats of each frame, timed once.
   void add_round(const std::vector<Json>& round);
   void add_round(Json picture) { add_round(std::vector<Json>{std::move(picture)}); }
 };
 
 Json to_json(const ChartRow& row);
-// Empty where the text is no row, or one made with something else.
+// Returns nothing where the text is no row, or one with another `made_with`.
 std::optional<ChartRow> parse_row(const std::string& text, const Json& made_with);
 
-// Of the frames' stats those of the last one, with the median over all of what is counted; of an even number of frames
-// the lower of the two in the middle.
+// Returns the stats of the last frame, with every count replaced by its median over all frames (the lower median for an
+// even number of frames).
 Json median_stats(const std::vector<Json>& frames);
 
 struct Quartiles {
   double p25 = 0, median = 0, p75 = 0;
 };
-// By linear interpolation between order statistics, as in the stats of `render`; zeros for no values.
+// Interpolates linearly between order statistics, as the stats of `render` do. Returns zeros for no values.
 Quartiles quartiles(std::vector<double> values);
 
 }  // namespace sideray::lab

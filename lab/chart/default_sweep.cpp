@@ -1,5 +1,5 @@
-// The points of default sweeps and the ways that bounds choose between. It is the one place that knows which values of
-// which options are worth comparing; which of them come to the same in a scene says the library.
+// Makes the points of default sweeps and the ways that bounds choose between. Only this file knows which values of
+// which options are worth comparing; the library says which of them draw the same picture of a scene.
 #include <fmt/format.h>
 #include <sideray/plan.h>
 
@@ -12,15 +12,15 @@ namespace sideray::lab {
 namespace {
 
 constexpr size_t most_points = 60;
-constexpr size_t most_counted = 8;  // of layers and events: as many or more
+constexpr size_t most_counted = 8;  // layers and events; stands for more of them too
 
-// How much a chart would lack without a point: where a list is too long, the finest go first.
+// Says how much a chart needs a point: from a list that is too long, fine points are removed first.
 enum class Detail { baseline, choice, fine };
 
 struct Point {
   Configuration configuration;
   Detail detail;
-  bool is_aside;  // no bound chooses it
+  bool is_aside;  // bounds do not choose it
 };
 
 struct List {
@@ -52,7 +52,7 @@ Configuration hybrid(const std::string& layers, Configuration more = {}) {
   return more;
 }
 
-// The counts 1, 2, 4, 8 up to the first that holds all there is.
+// Returns the counts 1, 2, 4, 8 up to the first that is at least `most`.
 std::vector<std::string> counts_up_to(size_t most) {
   std::vector<std::string> counts;
   for (const size_t count : {1, 2, 4, 8}) {
@@ -70,7 +70,7 @@ bool has_order(const SweepScene& scene) {
   return scene.most_events > 1 || scene.has_particles;
 }
 
-// Every order of fragments but the usual one, each with `drawing`.
+// Adds `drawing` with every order of fragments but the usual one.
 void add_orders(const SweepScene& scene, const Configuration& drawing, List& list) {
   const auto ordered = [&](const char* order) {
     Configuration configuration = drawing;
@@ -92,7 +92,7 @@ void add_raytraced(const SweepScene& scene, List& list) {
   if (scene.has_particles) list.add(choice, raytraced(events.back(), {{"rt-particles", "on"}}));
 }
 
-// Layers for other objects than `--ray-traced auto` takes: all of them, or only those that are largest on the screen.
+// Adds layers for other objects than `--ray-traced auto` selects: all, or only those largest on the screen.
 void add_selections(const SweepScene& scene, const std::string& layers, List& list) {
   if (scene.traceable_objects != scene.layered_objects) list.add(choice, hybrid(layers, {{"ray-traced", "all"}}));
   for (const size_t count : {1, 4, 16})
@@ -169,7 +169,7 @@ void add_translucency(const SweepScene& scene, List& list) {
     list.left_out.push_back(fmt::format("translucency: no more layers than a ray can hit, {}, nor events than {}",
                                         scene.most_layers, scene.most_events));
   add_raytraced(scene, list);
-  // It averages nothing over time: so many positions in the pixel instead.
+  // The reference averages no frames of a sequence, so it takes 8 positions in each pixel instead.
   if (scene.is_sequence)
     list.add_aside(baseline, {{"translucency", "reference"}, {"samples", "8"}});
   else
@@ -187,7 +187,7 @@ Configuration inexact(const std::string& variant, Configuration more = {}) {
   return more;
 }
 
-// The poses that rays hit, by how the shadow test regards that they are not those that are drawn.
+// Adds the poses that rays hit, with each shadow test that allows for a drawn pose different from the hit one.
 void add_poses(const SweepScene& scene, List& list) {
   const Configuration still{{"poses", "rest"}}, one{{"poses", "1"}}, four{{"poses", "4"}}, own{{"poses", "all"}};
   list.add(baseline, exact(still));
@@ -222,7 +222,7 @@ void add_inexact(const SweepScene& scene, List& list) {
     list.add(choice, inexact("tmin", {{"poses", "rest"}, {"inexact-target", "model"}, {"inexact-bias", bias}}));
 }
 
-// Instances that leave what rays hit; one that looks larger than all these angles stays.
+// Adds angles below which instances are removed from the acceleration structure, where any instance looks that small.
 void add_culling(const SweepScene& scene, List& list) {
   for (const int angle : {1, 2, 4, 8})
     if (scene.smallest_angle_deg < angle) list.add(angle == 4 ? fine : choice, {{"cull-angle", std::to_string(angle)}});
@@ -235,7 +235,7 @@ const char* rays_for(const SweepScene& scene) {
   return scene.swaying_objects > 0 ? "inexact" : "exact";
 }
 
-// Light that comes by other ways than straight from the lights.
+// Adds indirect light.
 void add_indirect(const SweepScene& scene, List& list) {
   std::vector<const char*> shadows{"off"};
   if (scene.lights > 0) shadows = {"map", rays_for(scene)};
@@ -296,7 +296,7 @@ sideray_scene_facts facts_of(const SweepScene& scene) {
   return facts;
 }
 
-// What is left to say of a configuration in such a scene.
+// Returns the options of a configuration without those that change nothing in such a scene.
 Options reduced(const Configuration& configuration, const SweepScene& scene, const sideray_scene_facts& facts) {
   Options options = Options::create().value();
   if (scene.is_sequence) options.set("taa", "on");
@@ -319,7 +319,7 @@ void leave_out_doubles(const SweepScene& scene, std::vector<Point>& points) {
   points = std::move(kept);
 }
 
-// The places that are left go to the more telling ones, in the order of the list.
+// Removes the least needed points of a list that is too long; the others stay in order.
 void leave_out_details(List& list) {
   if (list.points.size() <= most_points) return;
   std::vector<size_t> order;

@@ -15,7 +15,7 @@ using scenes::Image;
 
 constexpr std::array<const char*, 3> colours{"R", "G", "B"};
 
-// The colours of one picture, as stored.
+// Refers to the colours of one picture, as stored.
 struct Rgb {
   std::array<const std::vector<float>*, 3> planes{};
   double at(size_t pixel, size_t colour) const { return double{(*planes[colour])[pixel]}; }
@@ -41,7 +41,7 @@ Rgb rgb_of(const Image& image, const Image& reference, const std::string& name) 
   return rgb;
 }
 
-// One term while it is summed.
+// Holds the sums of one term.
 struct Sum {
   LedgerTerm* term;
   double along = 0, weighted = 0, plain = 0, absolute = 0;
@@ -68,13 +68,13 @@ std::vector<Rgb> all_rgb(std::span<const LedgerPicture> pictures, const Image& r
   return list;
 }
 
-// Halfs and their differences are exact in doubles: so is the sum of the terms.
+// Sums in doubles, in which half floats and their differences are exact, so that the terms add up exactly.
 struct Summation {
   Rgb picture, reference;
   std::vector<Rgb> without, chain;
   Sum total, interaction;
   std::vector<Sum> effects, residuals;
-  std::span<const uint8_t> apart;  // pixels
+  std::span<const uint8_t> apart;  // 1 for pixels whose last residual is "visibility"
   size_t references;
 
   bool is_finite(size_t pixel) const {
@@ -202,7 +202,7 @@ double largest_shown(const Ledger& ledger) {
   for (size_t i = 0; i < sizes.size(); ++i) sizes[i] = std::abs(sum_of(ledger.total, i));
   const auto at = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() * 99 / 100);
   std::nth_element(sizes.begin(), at, sizes.end());
-  // Where less than a hundredth is wrong, that is what there is to show.
+  // Where fewer than one pixel in a hundred is wrong, the largest error sets the scale.
   return *at > 0 ? *at : *std::max_element(sizes.begin(), sizes.end());
 }
 

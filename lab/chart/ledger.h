@@ -1,4 +1,4 @@
-// The error of a picture split over the shortcuts taken for it (docs/ledger.md). Plain memory; any thread.
+// Splits the error of a picture over the shortcuts taken for it (docs/ledger.md). Plain memory; any thread.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,8 @@ struct LedgerPicture {
   scenes::Image image;
 };
 
-// A part of the error, in linear radiance. What all terms say, but for `mean_absolute`, adds up to what the total says.
+// Holds a part of the error, in linear radiance. The values of all terms add up to those of the total, except
+// `mean_absolute`.
 struct LedgerTerm {
   std::string name;
   std::vector<float> rgb;       // R, G, B interleaved, top row first
@@ -31,31 +32,31 @@ struct Ledger {
   std::vector<LedgerTerm> effects;  // the picture minus the one without the shortcut
   LedgerTerm interaction;           // total - effects - residuals
   std::vector<LedgerTerm> residuals;
-  uint64_t nonfinite = 0;  // pixels of any picture; they are 0 in every term
+  uint64_t nonfinite = 0;  // pixels with such values in any picture; every term is 0 there
 };
 
-// `without`: one picture a shortcut, with that one switched off. `chain`: the picture with all of them switched off,
-// and from there on towards the reference; the residual of a name goes from the picture of that name to the next. The last
-// `references` of them are references themselves, of less light. In pixels marked in `apart` the residual of the last one
-// that is none is one of its own, named "visibility", at the end; empty: none are. Throws Error where sizes differ or an
-// image lacks R, G or B.
+// `without` has a picture for each shortcut, with that one switched off. `chain` starts with the picture without any
+// shortcut and goes on towards the reference; the residual of a name is the picture of that name minus the next. The
+// last `references` pictures of the chain are references themselves, with less light. In pixels that `apart` marks, the
+// residual of the last picture before these counts as a separate one, "visibility", at the end; an empty `apart` marks
+// none. Throws Error where sizes differ or an image lacks R, G or B.
 Ledger make_ledger(const scenes::Image& picture, std::span<const LedgerPicture> without,
                    std::span<const LedgerPicture> chain, const scenes::Image& reference,
                    std::span<const uint8_t> apart = {}, size_t references = 0);
 
-// Effects, interaction, residuals: what adds up to the total.
+// Returns effects, interaction and residuals, which add up to the total.
 std::vector<const LedgerTerm*> parts(const Ledger& ledger);
 
-// {"name", "share", "relmse", "mean", "mean_absolute"}
+// Returns {"name", "share", "relmse", "mean", "mean_absolute"}.
 Json to_json(const LedgerTerm& term);
 
-// All terms as channels NAME.R, NAME.G, NAME.B, in 32 bits; residuals as residual.NAME.R.
+// Returns all terms as channels NAME.R, NAME.G, NAME.B, in 32 bits; residuals as residual.NAME.R.
 scenes::Image layers_of(const Ledger& ledger);
 
-// 8-bit RGB of the sum of a term's channels: white 0, red above it, blue below, full at +-`largest` (see
-// largest_shown).
+// Returns 8-bit RGB of the sum of a term's channels: white at 0, red above, blue below, saturated at +-`largest`
+// (largest_shown()).
 std::vector<uint8_t> signed_colours(const LedgerTerm& term, double largest);
-// What 99 of 100 pixels of the total stay below.
+// Returns the 99th percentile of the total's magnitude.
 double largest_shown(const Ledger& ledger);
 
 }  // namespace sideray::lab

@@ -1,4 +1,4 @@
-// Which measurements nothing else beats in cost and error at once. Plain memory; any thread.
+// Finds the measurements that no other beats in cost and error at once. Plain memory; any thread.
 #pragma once
 
 #include <optional>
@@ -10,10 +10,10 @@ namespace sideray::lab {
 // Smaller is better in both.
 struct CostAndError {
   double cost = 0;
-  std::optional<double> error;  // empty: could not be measured, never on the front
+  std::optional<double> error;  // empty: not measurable, never on the front
 };
 
-// A point is on the front where no other is at most as costly and at most as wrong, and better in one of the two.
+// Returns which points are on the front: no other point is at least as good in both values and better in one.
 std::vector<bool> pareto_front(std::span<const CostAndError> points);
 
 }  // namespace sideray::lab

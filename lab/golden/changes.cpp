@@ -21,7 +21,7 @@ bool is_colour(const std::string& channel) {
   return channel == "R" || channel == "G" || channel == "B";
 }
 
-// Bits, since NaN is no number that equals itself and -0 is another picture than 0.
+// Compares bits, since NaN does not equal itself, and -0 must differ from 0.
 bool differs(const scenes::Plane& a, const scenes::Plane& b, size_t pixel) {
   if (a.type == scenes::Plane::Type::uint) return a.uint_values[pixel] != b.uint_values[pixel];
   return std::bit_cast<uint32_t>(a.values[pixel]) != std::bit_cast<uint32_t>(b.values[pixel]);
@@ -39,7 +39,7 @@ size_t pixels_of(const Image& image) {
 // Which pixels differ, in colours and in any channel.
 struct Marks {
   std::vector<bool> colour, any;
-  std::vector<std::string> channels;  // others than colours that differ
+  std::vector<std::string> channels;  // differing ones other than colours
   uint64_t in_channels = 0;           // pixels
 };
 
@@ -68,15 +68,15 @@ float distance_at(const Image& ids, size_t pixel) {
   return z && !z->values.empty() ? z->values[pixel] : std::numeric_limits<float>::infinity();
 }
 
-// What the pixels tell of one object.
+// Counts the pixels of one object.
 struct Tally {
   uint64_t before = 0, after = 0;  // pixels that show it
-  uint64_t exchanged = 0;          // that it came to or went from
-  uint64_t recoloured = 0;         // that show it both times, in other colours
-  double flip = 0;                 // summed over those
+  uint64_t exchanged = 0;          // where it replaced another object in front, or uncovered one
+  uint64_t recoloured = 0;         // that show it in both pictures, in other colours
+  double flip = 0;                 // sum over the recoloured pixels
 };
 
-// The objects of the reference, those that are new, and the background last.
+// Holds a tally for each object of the reference, then for each new object, and for the background last.
 class Tallies {
  public:
   Tallies(const ShownPicture& now, const ShownPicture& reference, const SceneNow& scene)
@@ -106,7 +106,7 @@ class Tallies {
     std::vector<Change> changes;
     for (size_t i = 0; i < tallies_.size(); ++i)
       if (const std::optional<Change> change = change_of(i, has_flip, with_looks)) changes.push_back(*change);
-    // What moved is the reason for shadows and mirror images that look otherwise, and may be the smaller part.
+    // Moved objects come first, even with fewer pixels: they cause changed shadows and mirror images of others.
     std::stable_sort(changes.begin(), changes.end(), [](const Change& a, const Change& b) {
       const bool a_looks = a.kind == ChangeKind::look, b_looks = b.kind == ChangeKind::look;
       return a_looks != b_looks ? b_looks : a.pixels > b.pixels;
@@ -120,7 +120,7 @@ class Tallies {
     return pairs_[object] != no_object ? pairs_[object] : reference_.objects.size() + object;
   }
 
-  // Of two equally far both may be the reason.
+  // Lays a pixel whose object changed to the nearer of the two objects, and to both at equal distance.
   void count_pixels() {
     for (size_t i = 0; i < then_.size(); ++i) {
       ++tallies_[then_[i]].before, ++tallies_[now_index_[i]].after;
@@ -142,7 +142,7 @@ class Tallies {
     return at != scene_.objects.end() && at->second >= object.of;
   }
 
-  // It may stand elsewhere and cover the same pixels: a wall that slides along itself.
+  // Returns whether the object has another place. It may cover the same pixels: a wall that slides along itself.
   bool stands_elsewhere(size_t index) const {
     if (index >= reference_.objects.size()) return false;
     const auto now = std::find(pairs_.begin(), pairs_.end(), index);
@@ -170,8 +170,8 @@ class Tallies {
 
   const ShownPicture &now_, &reference_;
   const SceneNow& scene_;
-  std::vector<size_t> pairs_;             // of each object now its index in the reference
-  std::vector<size_t> then_, now_index_;  // of each pixel
+  std::vector<size_t> pairs_;             // for each object now, its index in the reference
+  std::vector<size_t> then_, now_index_;  // for each pixel, the index of its object
   std::vector<Tally> tallies_;
 };
 
@@ -223,7 +223,7 @@ Differences differences(const ShownPicture& now, const ShownPicture& reference, 
     factor = light_factor(*scene.radiance, reference.picture, display);
   if (factor) result.changes.push_back({ChangeKind::light, "", result.pixels, {}, *factor});
   tallies.add_colours(marks.colour, result.flip_map);
-  // A factor says what would otherwise be said of every object.
+  // A change of the light by one factor explains the changed colours of all objects.
   for (Change& change : tallies.changes(!result.flip_map.empty(), !factor)) result.changes.push_back(std::move(change));
   if (!marks.channels.empty())
     result.changes.push_back(

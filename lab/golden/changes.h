@@ -1,4 +1,4 @@
-// What is different between two pictures of one view, told by the objects that their pixels show. Plain memory; any
+// Lists the differences between two pictures of one view by the objects that their pixels show. Plain memory; any
 // thread.
 #pragma once
 
@@ -13,38 +13,38 @@
 
 namespace sideray::lab {
 
-// An object of a scene: the number-th of its name (from 1) among `of`.
+// Names an object of a scene: number `number` (from 1) of the `of` objects with this name.
 struct NamedObject {
   std::string name;
   uint32_t number = 1, of = 1;
   std::vector<uint32_t> surfaces;  // its surface ids
   std::string place;               // a digest of where it stands; "" = unknown
 };
-// "vase", or "tree #12" where the scene has several of the name.
+// Returns "vase", or "tree #12" where the scene has several objects of the name.
 std::string label_of(const NamedObject& object);
 
-// A picture with what its pixels show.
+// Refers to a picture, and to the objects that its pixels show.
 struct ShownPicture {
   const scenes::Image& picture;
   const scenes::Image& ids;  // "first.surface" and, to tell what is in front, "first.Z"
   const std::vector<NamedObject>& objects;  // those that pixels show
 };
 
-// What else is known of the scene as it is now.
+// Holds what else is known of the current scene.
 struct SceneNow {
-  std::map<std::string, uint32_t> objects;  // how many of each name, seen or not
+  std::map<std::string, uint32_t> objects;  // name -> number of objects, visible or not
   bool has_same_camera = true;
   const scenes::Image* radiance = nullptr;  // of the picture before exposure and tone mapping
 };
 
 enum class ChangeKind {
-  camera,        // the view is another one
-  light,         // all is `factor` times as bright
-  missing,       // the scene has the object no more
-  out_of_sight,  // the scene has it, and no pixel shows it
-  added,         // no pixel showed it
-  moved,         // stands elsewhere, or pixels came to it or went from it
-  look,          // shown by the same pixels with other colours
+  camera,        // the view differs
+  light,         // everything is `factor` times as bright
+  missing,       // the scene no longer has the object
+  out_of_sight,  // the scene has the object, but no pixel shows it
+  added,         // no pixel of the reference showed the object
+  moved,         // the object stands elsewhere, or gained or lost pixels
+  look,          // the same pixels show the object in other colours
   channels       // channels beside the colours differ; `name` lists them
 };
 
@@ -61,23 +61,24 @@ struct Differences {
   bool has_same_ids = true;    // every pixel shows the same object
   uint64_t pixels = 0;         // that differ in any channel
   std::optional<double> flip;  // mean; empty with pixels that are not finite
-  // Of the whole picture, then of objects that are elsewhere, then of those that look otherwise; the most pixels first.
+  // Changes of the whole picture come first, then of objects that moved, then of objects that only look different; in
+  // each group those of the most pixels come first.
   std::vector<Change> changes;
   std::vector<float> flip_map; // one value a pixel; empty likewise
 };
 
-// Whether sizes, names and types of all channels and all of their bits are the same.
+// Returns whether both have the same size, and channels of the same names, types and bits.
 bool is_same_image(const scenes::Image& a, const scenes::Image& b);
 
-// Compares what is drawn now with the reference, both of one size. An object is known by its name and number, or, where
-// the scenes have different numbers of a name, by the pixels that it shares. A pixel that goes from one object to another
-// is laid to the one in front of the other: it came, or it went.
+// Compares the picture drawn now with the reference of the same size. An object is recognized by its name and number,
+// or, where the scenes have different numbers of objects of a name, by the pixels that show it in both. A pixel that
+// shows another object than before counts as a change of the nearer of the two: that one came, or it went.
 Differences differences(const ShownPicture& now, const ShownPicture& reference, const SceneNow& scene,
                         const Display& display);
 
-// "'vase 3' moved (412 pixels)"
+// Returns text such as "'vase 3' moved (412 pixels)".
 std::string describe(const Change& change);
-// The first `most` of them in one line; "" where there are none.
+// Returns the first `most` changes in one line; "" where there are none.
 std::string describe(const std::vector<Change>& changes, size_t most);
 
 }  // namespace sideray::lab

@@ -7,11 +7,11 @@
 namespace sideray::lab {
 namespace {
 
-constexpr size_t most_pixels = 16384;  // looked at, evenly
+constexpr size_t most_pixels = 16384;  // compared, evenly spread
 constexpr double most_stops = 6;
 constexpr double least_change = 0.002;
 constexpr double fitting_share = 0.99;
-constexpr double most_left = 0.4;  // of the difference
+constexpr double most_left = 0.4;  // largest share of the difference that a factor may leave
 
 scenes::Image sampled(const scenes::Image& image) {
   const size_t pixels = size_t{image.width} * image.height, step = (pixels + most_pixels - 1) / most_pixels;
@@ -27,7 +27,7 @@ scenes::Image sampled(const scenes::Image& image) {
   return samples;
 }
 
-// Three values a pixel; as the reference has them, of `stops` more light.
+// Returns three values a pixel of `image` in `stops` more light, radiance or display values as `linear` says.
 std::vector<float> values_of(const scenes::Image& image, double stops, bool linear, const Display& display) {
   if (!linear)
     return scenes::display_values(image, display.exposure_ev + static_cast<float>(stops), display.tonemap);
@@ -37,7 +37,7 @@ std::vector<float> values_of(const scenes::Image& image, double stops, bool line
   return values;
 }
 
-// Where as many values are above the reference as below it: the median, however the tone curve bends.
+// Finds the stops at which as many values are above the reference as below it: the median, for any tone curve.
 double median_stops(const scenes::Image& now, const std::vector<float>& reference, bool linear,
                     const Display& display) {
   double low = -most_stops, high = most_stops;
@@ -51,7 +51,7 @@ double median_stops(const scenes::Image& now, const std::vector<float>& referenc
   return (low + high) / 2;
 }
 
-// Half floats round by 2^-11, display values by half a 255th.
+// Returns the difference that rounding may cause: half floats round by 2^-11, display values by half a 255th.
 double tolerance(float value, bool linear) {
   return linear ? 0.002 * std::abs(double{value}) + 1e-4 : 1.5 / 255;
 }

@@ -1,4 +1,4 @@
-// Whether a picture is another one in a brighter or darker light. Plain memory; any thread.
+// Recognizes a picture that differs from another only by a brighter or darker light. Plain memory; any thread.
 #pragma once
 
 #include <optional>
@@ -8,8 +8,9 @@
 
 namespace sideray::lab {
 
-// The factor by which all light of `now`, radiance before exposure and tone mapping, is that of `reference`, which may be
-// radiance or display values; apart from rounding and from one value in a hundred. Empty where there is none, or it is 1.
+// Returns the factor between the light of `reference` and that of `now`, up to rounding and one value in a hundred.
+// `now` is radiance before exposure and tone mapping; `reference` is that, or display values. Empty where no factor
+// fits, or it is 1.
 std::optional<double> light_factor(const scenes::Image& now, const scenes::Image& reference, const Display& display);
 
 }  // namespace sideray::lab

@@ -28,7 +28,8 @@ class Pairs {
     is_taken_[reference] = true;
   }
 
-  // Where the scenes have as many of a name, the numbers say which is which; otherwise they may have shifted.
+  // Pairs objects by name and number. That is sure only where both scenes have as many objects of the name: otherwise
+  // numbers may have shifted.
   void add_by_number(bool only_of_equal_sets) {
     std::map<std::pair<std::string, uint32_t>, size_t> numbered;
     for (size_t i = 0; i < reference_.size(); ++i) numbered[{reference_[i].name, reference_[i].number}] = i;

@@ -1,4 +1,4 @@
-// Which object of one scene is which of another one. Plain memory; any thread.
+// Finds the objects of one scene in another scene. Plain memory; any thread.
 #pragma once
 
 #include <cstddef>
@@ -12,10 +12,11 @@ namespace sideray::lab {
 
 constexpr size_t no_object = SIZE_MAX;
 
-// Of each pixel the index of its object; no_object: the background, or a surface that no object has.
+// Returns the index of each pixel's object, or no_object for the background and for surfaces without an object.
 std::vector<size_t> shown_objects(const ShownPicture& shown);
 
-// Of each object of `now` its index in `reference`, or no_object. `now_shown`, `reference_shown`: of each pixel.
+// Returns for each object of `now` its index in `reference`, or no_object. `now_shown` and `reference_shown` hold the
+// index of each pixel's object (shown_objects()).
 std::vector<size_t> paired_objects(const std::vector<NamedObject>& now, std::span<const size_t> now_shown,
                                    const std::vector<NamedObject>& reference, std::span<const size_t> reference_shown);
 

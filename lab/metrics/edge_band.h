@@ -8,12 +8,12 @@
 
 namespace sideray::lab {
 
-// Returns 1 for pixels no farther than `reach` pixels (along x and along y) from an edge: two neighbours, side by side,
-// whose surface ids differ in some layer. `layers`: a picture of ids each.
+// Returns 1 for pixels within `reach` pixels (along x and along y) of an edge, where the surface ids of two adjacent
+// pixels differ in some layer. `layers` holds a picture of surface ids for each layer.
 std::vector<uint8_t> edge_band(std::span<const std::vector<uint32_t>> layers, uint32_t width, uint32_t height,
                                uint32_t reach);
 
-// Returns the mean of the values where `band` is `inside`; 0 where that is nowhere.
+// Returns the mean of the values inside or outside the band; 0 where it has no such pixels.
 double mean_over(std::span<const float> values, std::span<const uint8_t> band, bool inside);
 
 }  // namespace sideray::lab

@@ -1,4 +1,4 @@
-// Measures how much a sequence of pictures flickers beyond what the reference's own pictures change. Plain memory; one
+// Measures how much a sequence of pictures flickers beyond the changes in the reference's pictures. Plain memory; one
 // thread at a time may use a meter.
 #pragma once
 
@@ -10,16 +10,16 @@
 
 namespace sideray::lab {
 
-// All values are of PNG values, and means over pixels and channels.
+// All values are in PNG values, and means over pixels and channels.
 struct Flicker {
   uint32_t frames = 0;
-  // These are half the mean square of the change from a frame to the next. For noise that is new in every frame that is
-  // its variance (von Neumann 1941), for what stands still 0, for slow changes little.
+  // Half the mean square of the change from one frame to the next: the variance of noise that is new in every frame
+  // (von Neumann 1941), 0 for still pictures, little for slow changes.
   double energy = 0, reference_energy = 0;
-  // This is the same for the difference between picture and reference: right motion is in both and does not count, so
-  // that it shows flicker that blur hides from `energy - reference_energy`.
+  // The same of the difference between picture and reference: correct motion is in both and cancels, so that this shows
+  // flicker that blur hides from `energy - reference_energy`.
   double error_energy = 0;
-  // This is the variance of each value over all frames, less the reference's.
+  // The variance of each value over all frames, less that of the reference.
   double excess_variance = 0;
 
   double excess_energy() const { return energy - reference_energy; }

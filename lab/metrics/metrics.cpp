@@ -58,7 +58,7 @@ void set_relmse(Metrics& metrics, const std::vector<float>& test, const std::vec
     terms[i] = (x - r) * (x - r) / (r * r + 0.01);
   }
   metrics.relmse = std::accumulate(terms.begin(), terms.end(), 0.0) / static_cast<double>(terms.size());
-  // The terms are sorted, so that the sum does not depend on how the library partitions.
+  // The terms are sorted, not partitioned, so that the order of additions does not depend on the standard library.
   std::sort(terms.begin(), terms.end());
   const size_t kept = terms.size() - terms.size() / 1000;
   metrics.relmse_trimmed = std::accumulate(terms.begin(), terms.begin() + static_cast<std::ptrdiff_t>(kept), 0.0) /
@@ -105,8 +105,8 @@ double ssim_of(const Moments& m) {
   return (2 * m.x * m.y + c1) * (2 * covariance + c2) / ((m.x * m.x + m.y * m.y + c1) * (var_x + var_y + c2));
 }
 
-// Returns the mean over the windows wholly inside; each row of windows is summed by itself, so the order of sums is
-// fixed.
+// Returns the mean over the windows wholly inside. Each row of windows has its own sum, so that the order of additions
+// is fixed.
 double ssim(const std::vector<float>& test, const std::vector<float>& reference, uint32_t width, uint32_t height) {
   const std::array<double, ssim_window> weights = ssim_weights();
   constexpr auto window_px = static_cast<uint32_t>(ssim_window);
@@ -151,7 +151,7 @@ Comparison compare(const Image& test, const Image& reference, const Display& dis
 
   const uint32_t width = test.width, height = test.height;
   if (test.linear && reference.linear) metrics.hdr_flip = hdr_flip(test_rgb, reference_rgb, width, height).mean;
-  // Radiance and what a display shows of it are not the same quantity: their difference would mean nothing.
+  // Radiance and display values are different quantities: their difference would mean nothing.
   if (test.linear == reference.linear)
     set_relmse(metrics, linear_rgb(test, std::move(test_rgb)), linear_rgb(reference, std::move(reference_rgb)));
 

@@ -11,7 +11,7 @@
 
 namespace sideray::lab {
 
-// Metrics that do not apply stay empty: hdr_flip on display images, ssim below 11x11, everything with non-finite
+// Metrics that do not apply stay empty: hdr_flip of display images, ssim below 11x11, all of images with non-finite
 // pixels.
 struct Metrics {
   std::optional<double> flip, hdr_flip, relmse, relmse_trimmed, psnr, ssim;

@@ -9,7 +9,7 @@
 
 namespace sideray::lab {
 
-// Calls f(y) once for every y in 0..rows-1. f must not throw, and must write only what belongs to its row.
+// Calls f(y) once for every y in 0..rows-1. f must not throw, and must write only its own row.
 template <typename F>
 void for_rows(uint32_t rows, const F& f) {
   constexpr uint32_t rows_at_once = 16;

@@ -1,4 +1,4 @@
-// Measures the error of a sequence: means of the metrics of its frames, and what shows in time alone (docs/cli.md,
+// Measures the error of a sequence: the means of its frames' metrics, and errors that only motion shows (docs/cli.md,
 // chart). Plain memory; one thread at a time may use an object.
 #pragma once
 
@@ -15,8 +15,8 @@ namespace sideray::lab {
 
 class SequenceError {
  public:
-  // The sequence has `frames` in all. Differences from frame to frame leave out the first ones, half of them and
-  // SettleMeter::period at most: a method with a past begins without one.
+  // `frames` is the length of the sequence. Differences between frames skip the first half of it, at most
+  // SettleMeter::period frames: methods with a history begin without one.
   explicit SequenceError(uint32_t frames, const Display& display = {})
       : first_looked_at_(std::min((std::max(frames, 1u) - 1) / 2, SettleMeter::period)),
         display_(display),
@@ -25,11 +25,12 @@ class SequenceError {
 
   // Adds the next frame. `motion` is as WarpMeter takes it.
   void add(const scenes::Image& test, const scenes::Image& reference, const scenes::Image& motion);
-  // Adds, after the last frame, the pictures at rest, SettleMeter::held of them. Where none is added, the method has no
-  // past.
+  // Adds one of the SettleMeter::held pictures at rest, which follow the last frame. A method without a history needs
+  // none.
   void add_at_rest(const scenes::Image& picture);
 
-  // Measures that do not apply to one frame are absent; so are all measures in time where a pixel is not finite.
+  // Returns all measures. Those that do not apply to a single frame are absent, and where a pixel is not finite those
+  // of changes over time.
   nlohmann::ordered_json result() const;
 
  private:

@@ -17,7 +17,7 @@ const scenes::Plane& plane_of(const scenes::Image& image, const char* name) {
   throw Error(SIDERAY_INVALID_ARGUMENT, fmt::format("motion of a sequence: no channel {}; draw it with --aov", name));
 }
 
-// Holds the four pixels around a point, and their shares of it.
+// Holds the four pixels around a point, with their bilinear weights.
 struct Taps {
   size_t pixels[4] = {};
   double weights[4] = {};
@@ -33,7 +33,7 @@ Taps taps_at(double x, double y, uint32_t width, uint32_t height) {
     const double u = left + (i & 1 ? 1.0 : 0.0), v = top + (i & 2 ? 1.0 : 0.0);
     taps.weights[i] = (i & 1 ? right : 1 - right) * (i & 2 ? down : 1 - down);
     if (taps.weights[i] == 0.0) continue;
-    // The condition is written so that motion that is NaN is outside too.
+    // Written so that NaN motion also counts as outside.
     taps.is_inside = taps.is_inside && u >= 0 && v >= 0 && u < width && v < height;
     if (taps.is_inside) taps.pixels[i] = static_cast<size_t>(v) * width + static_cast<size_t>(u);
   }
@@ -55,7 +55,7 @@ double square(double x) {
   return x * x;
 }
 
-// Returns where a falling curve is at `level` between two frames, as if it fell exponentially there.
+// Returns the fractional frame at which a curve that falls exponentially from `above` to `below` reaches `level`.
 double crossing(double frame, double above, double below, double level) {
   if (below <= 0) return frame - 1 + (above - level) / above;
   return frame - 1 + std::log(above / level) / std::log(above / below);
@@ -113,7 +113,7 @@ void SettleMeter::add(const scenes::Image& picture) {
   pictures_.push_back(std::move(values));
 }
 
-// Returns the ghost of every picture before the settled ones.
+// Returns the ghost of each picture up to the start of the settled ones.
 std::vector<double> SettleMeter::ghosts() const {
   std::vector<double> squares;
   for (uint32_t k = 0; k <= held - period; ++k) {

@@ -1,5 +1,5 @@
-// Measures what shows in time alone: what follows motion and is not as before, and what of the past stays in a picture
-// after everything stands still. Measures of docs/cli.md, chart. Plain memory; one thread at a time may use a meter.
+// Measures errors that only motion shows: changes of surfaces along their motion, and ghosts that remain after
+// everything has stopped (docs/cli.md, chart). Plain memory; one thread at a time may use a meter.
 #pragma once
 
 #include <sideray/renderer.h>
@@ -13,11 +13,11 @@
 
 namespace sideray::lab {
 
-// Holds half the mean square of the change of PNG values along the motion, from a frame to the next. For noise that is
-// new in every frame that is its variance, where the motion is of whole pixels; for what moves and stays as it is, 0.
+// Holds half the mean square of the change of PNG values along the motion, from one frame to the next. That is the
+// variance of noise that is new in every frame, if motion is by whole pixels, and 0 for surfaces that move unchanged.
 struct Warped {
   double difference = 0, reference_difference = 0;
-  double share = 0;  // of the pixels: those that the frame before shows too
+  double share = 0;  // of the pixels whose surface the previous frame shows too
 
   double excess() const { return difference - reference_difference; }
 };
@@ -26,8 +26,8 @@ class WarpMeter {
  public:
   explicit WarpMeter(const Display& display = {}) : display_(display) {}
 
-  // Adds the sequence's next pictures. `motion`: planes motion.X, motion.Y, Z and id.surface of what both show. Throws
-  // Error where sizes differ or a plane is missing.
+  // Adds the sequence's next pictures. `motion` has the planes motion.X, motion.Y, Z and id.surface of the same view.
+  // Throws Error where sizes differ or a plane is missing.
   void add(const scenes::Image& test, const scenes::Image& reference, const scenes::Image& motion);
 
   Warped result() const;
@@ -35,7 +35,7 @@ class WarpMeter {
  private:
   Display display_;
   uint32_t frames_ = 0;
-  std::vector<float> test_, reference_;  // the frame before
+  std::vector<float> test_, reference_;  // of the previous frame
   std::vector<float> distance_;
   std::vector<uint32_t> surface_;
   double test_squares_ = 0, reference_squares_ = 0;
@@ -48,9 +48,9 @@ struct Settling {
   double settle_time = 0;  // frames until it stays at or below the tolerance
 };
 
-// Takes a picture in motion and those after everything has come to rest. The last `period` of them are the settled
-// picture, each for those of its own place in the period; what the `period` before still differ from them by, noise for
-// the most part, is taken off all squares.
+// Takes the last picture in motion and those at rest. The last `period` pictures are the settled ones: each is compared
+// with the pictures at its place in the period. The mean square difference of the `period` pictures before them, mostly
+// noise, is subtracted from all squares.
 class SettleMeter {
  public:
   static constexpr uint32_t period = SIDERAY_JITTER_PERIOD;  // frames
@@ -62,7 +62,7 @@ class SettleMeter {
   // Adds first the last picture in motion, then `held` at rest. Throws Error where sizes differ.
   void add(const scenes::Image& picture);
 
-  // Throws Error before all are there.
+  // Throws Error before all pictures are added.
   Settling result() const;
 
  private:
@@ -72,8 +72,7 @@ class SettleMeter {
   std::vector<std::vector<uint16_t>> pictures_;  // PNG values in 1/65535
 };
 
-// Returns the names of the measures in time beside the metrics, in the order of docs/cli.md; the smaller the better,
-// all of them.
+// Returns the names of the measures over time, in the order of docs/cli.md. Of all of them smaller values are better.
 const std::vector<std::string>& temporal_names();
 
 }  // namespace sideray::lab

@@ -10,9 +10,9 @@
 namespace sideray::lab {
 namespace {
 
-// In base64 four thirds of it: below 10 MB with the library and the figures.
+// Base64 takes four thirds of it: the page stays below 10 MB with the chart library and the figures.
 constexpr size_t most_bytes_of_all = size_t{6} << 20;
-constexpr double bytes_per_pixel = 0.4;  // of a JPEG of a rendered picture, with room to spare
+constexpr double bytes_per_pixel = 0.4;  // of the JPEG of a rendered picture, generously
 
 std::string base64(std::span<const uint8_t> bytes) {
   static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -27,7 +27,7 @@ std::string base64(std::span<const uint8_t> bytes) {
   return text;
 }
 
-// Averages over what each new pixel covers, in whole pixels.
+// Shrinks a picture by averaging the whole pixels that each new pixel covers.
 std::vector<float> shrink(std::span<const float> values, uint32_t width, uint32_t height, size_t channels,
                           const PageScale& scale) {
   if (scale.width == width && scale.height == height) return {values.begin(), values.end()};

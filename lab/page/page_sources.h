@@ -5,7 +5,7 @@
 
 namespace sideray::lab::page {
 
-// Text of the file `name` ("chart.html", "chart.min.js"); empty where there is no such file.
+// Returns the text of the file `name` ("chart.html", "chart.min.js"); empty where there is no such file.
 std::string_view source(std::string_view name);
 
 }  // namespace sideray::lab::page

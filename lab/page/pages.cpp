@@ -7,7 +7,7 @@
 namespace sideray::lab {
 namespace {
 
-// A "<" in a name must not end the script that holds it.
+// Returns the data for use inside a script element, which a "<" in a name must not end.
 std::string script_text(const nlohmann::ordered_json& data) {
   std::string text;
   for (char c : data.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace))
@@ -18,7 +18,7 @@ std::string script_text(const nlohmann::ordered_json& data) {
   return text;
 }
 
-// The template with the files that it names between braces, and the data.
+// Returns the template `html`, in which the file names between braces are replaced by the files' text and the data.
 std::string filled(std::string_view html, const nlohmann::ordered_json& data) {
   std::string text;
   for (size_t at = 0; at < html.size();) {

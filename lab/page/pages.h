@@ -1,4 +1,5 @@
-// The pages of charts and of goldens: each one file that a browser opens without a network. Plain memory; any thread.
+// Makes the pages of charts and of goldens, each a single file that a browser shows without a network. Plain memory;
+// any thread.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -6,13 +7,13 @@
 
 namespace sideray::lab {
 
-// `data`: what lab/page/chart.js shows: {"results" (results.json), "metric", "larger_is_better":[], "command",
+// `data` is shown by lab/page/chart.js: {"results" (results.json), "metric", "larger_is_better":[], "command",
 // "program", "machine":{}, "scale":{"width","height","is_exact"}, "reference" (data URI),
 // "points":[{"label","command","picture", "map"}]}, one point a row of the results.
 std::string chart_page(const nlohmann::ordered_json& data);
 
-// `data`: what lab/page/golden.js shows: {"title", "summary", "pictures":[{"name", "verdict", "changes":[], and of those
-// that differ "reference", "now", "map" (data URIs)}]}.
+// `data` is shown by lab/page/golden.js: {"title", "summary", "pictures":[{"name", "verdict", "changes":[], and where
+// pictures differ "reference", "now", "map" (data URIs)}]}.
 std::string golden_page(const nlohmann::ordered_json& data);
 
 }  // namespace sideray::lab

@@ -59,7 +59,7 @@ void CalibrationCache::keep(const json& key, const json& value) const {
   }
 }
 
-// The entry holds the hash of the picture's file: one that was cut off or exchanged is not taken for it.
+// The entry holds the hash of the picture's file, so that a truncated or replaced file is not used.
 std::optional<scenes::Image> CalibrationCache::find_picture(const json& key) const {
   const std::optional<json> hash = find(key);
   if (!hash) return {};

@@ -1,6 +1,6 @@
-// Keeps in files what was measured on this machine, so that it is measured once: a JSON value or a picture a key. An
-// entry that cannot be read, is cut off or belongs to another key counts as absent; one that cannot be written is not
-// kept. Any thread may call it.
+// Keeps measurements of this machine in files, so that each is made once: a JSON value or a picture for each key. An
+// entry that cannot be read, is truncated or belongs to another key counts as absent; one that cannot be written is
+// dropped. Any thread may call it.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -13,14 +13,14 @@ namespace sideray::lab {
 
 class CalibrationCache {
  public:
-  // `folder` "" = nothing is found and nothing kept.
+  // With `folder` "" nothing is found and nothing is kept.
   explicit CalibrationCache(std::string folder) : folder_(std::move(folder)) {}
 
   // `key` holds everything that the value depends on.
   std::optional<nlohmann::json> find(const nlohmann::json& key) const;
   void keep(const nlohmann::json& key, const nlohmann::json& value) const;
 
-  // Returns R, G and B, to the bit.
+  // Returns R, G and B with all their bits.
   std::optional<scenes::Image> find_picture(const nlohmann::json& key) const;
   void keep_picture(const nlohmann::json& key, scenes::Image picture) const;
 

@@ -13,11 +13,12 @@ using Candidates = std::span<const Candidate>;
 using Order = std::vector<size_t>;
 
 constexpr double unknown = std::numeric_limits<double>::infinity();
-// The growth from a reduced frame to the whole may differ by this between candidates of a kind, and of several.
+// The growth from the reduced to the whole frame may differ by these factors between candidates of one kind, and of
+// different kinds.
 constexpr double margin_within_kind = 1.15, margin_across_kinds = 1.5;
-// Errors up to so many times the least count as equally good: references are noisier than that.
+// Errors up to this multiple of the least count as equal: the noise of references is greater.
 constexpr double as_accurate = 1.02;
-// The error of two changes together may fall short of their sum by this.
+// The error of two changes together may be smaller than the sum of their errors by this factor.
 constexpr double sum_margin = 1.1;
 
 std::optional<size_t> find(Candidates all, size_t drawing, size_t shadows) {
@@ -27,8 +28,8 @@ std::optional<size_t> find(Candidates all, size_t drawing, size_t shadows) {
   return static_cast<size_t>(at - all.begin());
 }
 
-// Returns the two candidates that differ from the first one as this one does, in one thing each. Empty for those two
-// themselves.
+// Returns the two candidates that each make one of the two changes by which `c` differs from the first candidate. Empty
+// where `c` makes only one.
 std::optional<std::pair<size_t, size_t>> parts_of(Candidates all, const Candidate& c) {
   const Candidate& first = all.front();
   if (c.drawing == first.drawing || c.shadows == first.shadows) return {};
@@ -38,7 +39,7 @@ std::optional<std::pair<size_t, size_t>> parts_of(Candidates all, const Candidat
   return std::pair(*drawn, *shadowed);
 }
 
-// Holds all candidates with what is known or expected of their reduced frames.
+// Holds all candidates with the known or expected measurements of their reduced frames.
 class Costs {
  public:
   Costs(Candidates all, std::vector<Look> looks, const CostBounds& bounds)
@@ -49,15 +50,15 @@ class Costs {
   bool is_seen(size_t i) const { return all_[i].look.has_value(); }
   bool is_drawn(size_t i) const { return all_[i].drawn_ms.has_value(); }
   size_t corrections() const { return correction_.count; }
-  // Returns what was measured, or else foretold, as far as it is now known how far that is off.
+  // Returns the measured time, or else the predicted one times the correction.
   double ms(size_t i) const {
     return is_drawn(i) ? *all_[i].drawn_ms : all_[i].ms.value_or(unknown) * correction_.scale;
   }
   double small_ms(size_t i) const { return looks_[i].ms; }
   double error(size_t i) const { return looks_[i].error.value_or(unknown); }
-  // An expected error is compared with a margin, for once it is measured it may hold after all.
+  // Returns whether the candidate may hold the bound. Expected errors get a margin: the measured one may be smaller.
   bool may_hold(size_t i, double most_error) const { return error(i) <= most_error * (is_seen(i) ? 1.0 : sum_margin); }
-  // Returns what it costs at least, by how others grow.
+  // Returns the least time that the whole frame may take, by the growth of other candidates.
   double least_ms(size_t i) const {
     if (is_timed(i)) return ms(i);
     double growth = unknown, growth_of_kind = unknown;
@@ -70,7 +71,7 @@ class Costs {
     if (std::isfinite(growth_of_kind)) return small_ms(i) * std::max(growth_of_kind / margin_within_kind, 1.0);
     return small_ms(i) * (std::isfinite(growth) ? std::max(growth / margin_across_kinds, 1.0) : 1.0);
   }
-  // Returns what the candidate still lacks to be picked.
+  // Returns the next measurement that the candidate needs before it can be picked.
   PickStep next(size_t i) const {
     return !is_seen(i) ? PickStep::look : !is_timed(i) ? PickStep::time : PickStep::picked;
   }
@@ -91,7 +92,7 @@ Order by_error(const Costs& costs, Order order) {
   return sorted(std::move(order), [&](size_t a, size_t b) { return costs.error(a) < costs.error(b); });
 }
 
-// Returns the cheapest of these.
+// Returns the cheapest candidate of `order`, or the next measurement that decides it.
 Pick cheapest(const Costs& costs, const Order& order) {
   std::optional<size_t> best;
   for (const size_t i : order)
@@ -102,7 +103,7 @@ Pick cheapest(const Costs& costs, const Order& order) {
   return {PickStep::picked, *best};
 }
 
-// A bound on the time holds where the whole frame was measured to hold it.
+// Accepts a picked candidate only after its whole frame was measured to take at most `most_ms`.
 Pick held(const Costs& costs, Pick pick, double most_ms) {
   if (pick.step != PickStep::picked) return pick;
   if (costs.ms(pick.candidate) > most_ms || costs.corrections() > most_corrections)
@@ -110,7 +111,7 @@ Pick held(const Costs& costs, Pick pick, double most_ms) {
   return costs.is_drawn(pick.candidate) ? pick : Pick{PickStep::draw, pick.candidate};
 }
 
-// Returns the cheapest of those that are as accurate as the most accurate one.
+// Returns the cheapest of the candidates within `most_ms` that are as accurate as the most accurate of them.
 Pick most_accurate_within(const Costs& costs, const Order& order, double most_ms) {
   if (costs.corrections() >= most_corrections) return held(costs, cheapest(costs, order), most_ms);
   Order holding;
@@ -163,7 +164,7 @@ std::optional<Look> expected_look(Candidates all, size_t candidate) {
 }
 
 Pick next_pick(Candidates candidates, const CostBounds& bounds) {
-  // No frame is drawn whole but the one that is picked, so that the first that holds ends the search.
+  // Only picked candidates have their whole frame drawn, so the first that holds the bound ends the search.
   for (size_t i = 0; i < candidates.size(); ++i)
     if (candidates[i].drawn_ms && bounds.most_ms && *candidates[i].drawn_ms <= *bounds.most_ms)
       return {PickStep::picked, i};

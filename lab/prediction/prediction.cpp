@@ -9,7 +9,7 @@ namespace {
 
 using Count = uint64_t sideray_plan_work::*;
 
-// These depend on the picture; the bytes of the cache depend on its size alone.
+// These counts depend on the picture; the bytes of the cache depend on its size alone.
 constexpr Count drawn_counts[] = {&sideray_plan_work::rays_primary, &sideray_plan_work::rays_reflection,
                                   &sideray_plan_work::rays_shadow,  &sideray_plan_work::rays_ao,
                                   &sideray_plan_work::rays_bounce,  &sideray_plan_work::fragments,
@@ -18,7 +18,7 @@ constexpr const char* count_names[] = {"rays_primary", "rays_reflection", "rays_
                                        "rays_bounce",  "fragments",       "bytes_readback", "bytes_upload"};
 static_assert(std::size(drawn_counts) == std::size(count_names));
 
-// Fewer pixels hold too few of small things, and their drawing time says little.
+// Smaller frames show too little of small objects, and their time says little about the whole.
 constexpr double fewest_pixels = 40000;
 
 FrameSize scaled(FrameSize whole, double scale) {

@@ -1,4 +1,4 @@
-// Predicts what a frame costs from two smaller ones of the same view. Arithmetic alone; any thread may call it.
+// Predicts the cost of a frame from two smaller frames of the same view. Arithmetic alone; any thread may call it.
 #pragma once
 
 #include <sideray/plan.h>
@@ -27,25 +27,25 @@ struct FrameSize {
   uint64_t pixels() const { return uint64_t{width} * height; }
 };
 
-// Holds the sizes of the probe's frames: a quarter and half of each side, but no fewer pixels than say something of the
-// picture. A picture that has few is itself the larger one.
+// Holds the sizes of the probe's frames: a quarter and a half of each side, but no fewer pixels than predict anything.
+// The larger frame of a small picture is the whole picture.
 struct ProbeSizes {
   FrameSize small, large;
 };
 ProbeSizes probe_sizes(FrameSize whole);
 
-// Both functions return what `large` measured where it has all the pixels, and nothing below 0. This one fits a n + b
-// sqrt(n) for n pixels: what surfaces cost, and what edges cost.
+// Both functions return `large` where its frame has all the pixels, and never less than 0. This one fits a n + b
+// sqrt(n) for n pixels: the cost of surfaces plus that of edges.
 double count_at(double small_pixels, double small, double large_pixels, double large, double pixels);
-// Fits a + b n with neither below 0: what a frame costs whatever its size, and what pixels cost.
+// Fits a + b n with a, b >= 0: a fixed cost of the frame plus the cost of its pixels.
 double time_at(double small_pixels, double small, double large_pixels, double large, double pixels);
 
-// Predicts a frame with so many pixels, drawn from so many positions one after the other; counts stay within `most`,
-// and the bytes of the cache are taken from it. The probe is of one position.
+// Predicts a frame of `pixels` pixels, drawn from `positions` camera positions one after the other. Counts stay within
+// `most`, which also gives the bytes of the cache. The probe is of one position.
 FrameCost predict(const Probe& probe, uint64_t pixels, const sideray_plan_work& most, uint32_t positions = 1);
 
 nlohmann::json to_json(const Probe& probe);
-// Returns nothing where the JSON is no probe.
+// Returns nothing where the JSON does not hold a probe.
 std::optional<Probe> parse_probe(const nlohmann::json& json);
 
 }  // namespace sideray::lab

@@ -1,9 +1,9 @@
-// Tests light that bounces where what keeps it over frames and pixels may err, against paths of all bounces: a lamp toggled, a
-// door that opens, a red box that slides over a white floor, a wall of 1 cm, and a camera that moves. The bounds were set
-// before anything was measured: at rest half the FLIP of `--ambient ao`; no ghost longer than what averages keep; nothing
-// that shines through a wall; at most 1.5 times the flicker of `--ambient ao`. What two of them are held against was changed
-// after they had failed: a ghost ends within .01 FLIP of the picture at rest, since noise that converges outlasts it, and
-// flicker is counted after the first frames of the sequence.
+// Tests bounced light where reuse over frames and pixels may err, against paths of all bounces: a lamp is toggled, a
+// door opens, a red box slides over a white floor, a wall is 1 cm thick, a camera moves. The bounds were set before
+// anything was measured: at rest half the FLIP of `--ambient ao`; no ghost longer than averages keep one; no light
+// through a wall; at most 1.5 times the flicker of `--ambient ao`. Two measures were changed after they had failed: a
+// ghost ends within .01 FLIP of the picture at rest, since converging noise outlasts it, and flicker is counted after
+// the first frames of the sequence.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -30,8 +30,8 @@ struct Method {
 constexpr std::array<Method, 2> methods{{{"--ambient bounce", SIDERAY_AMBIENT_BOUNCE, true},
                                          {"--ambient ao", SIDERAY_AMBIENT_AO, false}}};
 
-// Two rooms of 2 x 2 x 3 side by side, without ceilings under a black sky. The left one has a lamp. In the wall between them
-// is a closed door.
+// Two rooms of 2 x 2 x 3 side by side, without ceilings, under a black sky. The left one has a lamp. The wall between
+// them has a closed door.
 struct Rooms {
   Scene scene = Scene::create().value();
   sideray_instance door = 0, box = 0;
@@ -51,7 +51,7 @@ void move(Rooms& rooms, sideray_instance instance, glm::dvec3 by) {
   rooms.scene.move_instance(instance, matrix);
 }
 
-// A plate of the wall between the rooms, from z to z and y to y, with both sides and all edges.
+// Adds a part of the wall between the rooms, over `z0`..`z1` and `y0`..`y1`, as a box with both sides and all edges.
 sideray_instance add_plate(Scene& scene, double z0, double z1, double y0, double y1, double half,
                            const sideray_material_desc& m) {
   std::vector<glm::vec3> corners;
@@ -75,7 +75,7 @@ Rooms two_rooms() {
   for (const double x : {-2.0, 2.0})
     add_quad(scene, {{{{x, 0, 1.5}, {x, 0, -1.5}, {x, 2, -1.5}, {x, 2, 1.5}}}}, white, 0);
   for (const double z : {-1.5, 1.5}) add_quad(scene, {{{{-2, 0, z}, {2, 0, z}, {2, 2, z}, {-2, 2, z}}}}, white, 0);
-  // The plates reach into each other and through floor and walls, so that no edge lies on another.
+  // The plates overlap each other, the floor and the walls, so that no edges coincide.
   add_plate(scene, -1.6, -half_door, -0.1, 2, half_wall, white);
   add_plate(scene, half_door, 1.6, -0.1, 2, half_wall, white);
   add_plate(scene, -1.2 * half_door, 1.2 * half_door, height_of_door, 2, 0.999 * half_wall, white);
@@ -104,7 +104,7 @@ scenes::Image draw(StressStage& stage, Rooms& rooms, const sideray_camera& camer
   return image_of(stage.renderer.render(rooms.scene, camera, options).value());
 }
 
-// By paths of all bounces.
+// Draws the reference, by paths of all bounces.
 scenes::Image truth_of(StressStage& stage, Rooms& rooms, const sideray_camera& camera) {
   RenderOptions options = picture_options(stage, SIDERAY_SHADOWS_INEXACT);
   options.picture.samples = 16;
@@ -118,7 +118,7 @@ scenes::Image truth_of(StressStage& stage, Rooms& rooms, const sideray_camera& c
 struct Change {
   const char* name;
   uint32_t frames;
-  std::function<void(Rooms&, double share)> happen;  // as much of it as has happened
+  std::function<void(Rooms&, double share)> happen;  // makes this share (0..1) of the change
 };
 
 const std::vector<Change>& changes() {
@@ -134,8 +134,8 @@ const std::vector<Change>& changes() {
   return all;
 }
 
-// Averages alone leave so many frames of a ghost (stress_settling.cpp): 8 samples while something moves, and
-// anti-aliasing.
+// Returns for how many frames averages alone keep a ghost above `share_left` (stress_settling.cpp): 8 samples while
+// something moves, and anti-aliasing.
 double frames_until(double share_left) {
   return 8.0 + std::log(std::min(share_left, 1.0)) / std::log(0.9);
 }
@@ -159,7 +159,7 @@ class Rows {
 struct Played {
   double half_life = 0;  // of the ghost, in frames
   double at_rest = 0;    // FLIP to the truth
-  double at_first = 0;   // the same of the frame in which the change ends
+  double at_first = 0;   // the same, in the frame in which the change ends
   uint32_t lag = 0;      // frames until the FLIP stays within `visible` of that at rest
 };
 
@@ -200,7 +200,7 @@ void add_change(StressStage& stage, const Change& change, std::vector<StressRow>
   }
 }
 
-// What lies behind the wall is black: its only opening is up to a black sky.
+// Adds rows of the dark room beyond the wall. It opens only to a black sky, so that any light in it is an error.
 void add_wall(StressStage& stage, const Method& method, double distance, std::vector<StressRow>& rows) {
   Rooms rooms = two_rooms();
   const sideray_camera camera = above(0.3, distance);
@@ -223,7 +223,7 @@ void add_dolly(StressStage& stage, std::vector<StressRow>& rows) {
   rooms.scene.commit();
   std::vector<scenes::Image> truth;
   const auto camera = [](uint32_t frame) { return above(0.02 * frame - 0.2, 5.0); };
-  // What the first frames of a sequence lack is no flicker.
+  // The first frames of a sequence still converge, which does not count as flicker.
   for (uint32_t frame = 0; frame < dolly_frames; ++frame)
     truth.push_back(truth_of(stage, rooms, camera(frames_before + frame)));
   std::array<double, methods.size()> flicker{};

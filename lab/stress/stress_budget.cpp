@@ -1,7 +1,8 @@
-// Tests pictures under a budget after something has changed, beside pictures that trace everything in each frame. The budget is
-// counted in pieces, so that rows are the same bits everywhere. With P of N pieces a frame everything has had a turn after
-// K = ceil(N / P) frames. In the first turn what is shown of before is replaced; then each turn adds a position to a still view, as
-// each frame does without a budget: K times slower, a turn later, and no more wrong than that.
+// Tests pictures under a budget after a change, beside pictures that trace everything in each frame. The budget is
+// counted in pieces, so that rows have the same bits everywhere. With P of N pieces a frame, every piece is traced once
+// in K = ceil(N / P) frames, a turn. The first turn replaces the results from before the change. Each further turn adds
+// a camera position to a still view, as each frame does without a budget. After n turns a picture may thus be as wrong
+// as a fully traced one n - 2 frames after the change, but no more.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -15,12 +16,12 @@ namespace {
 
 constexpr double visible = 1.0 / 255;  // mean FLIP
 constexpr uint32_t tile = 32;          // pixels along each side of a piece
-constexpr uint32_t width = 96, height = 54;  // in fewer pixels noise is more than the bound
-constexpr uint32_t moving_frames = 8;  // of what moves for a while
-constexpr uint32_t settled = 70;       // frames at rest after which a picture that is traced in full stays as it is
-constexpr std::array<uint32_t, 3> turns{2, 4, 8};  // of all pieces, after which pictures are compared
+constexpr uint32_t width = 96, height = 54;  // of fewer pixels the noise exceeds the bound
+constexpr uint32_t moving_frames = 8;  // of changes that last
+constexpr uint32_t settled = 70;       // frames at rest after which a fully traced picture no longer changes
+constexpr std::array<uint32_t, 3> turns{2, 4, 8};  // numbers of turns after which pictures are compared
 
-// A room without a ceiling: floor and wall, a card under two lamps, a pane that mirrors, smoke, a blade in the wind.
+// A room without a ceiling: floor, wall, a card under two lamps, a reflecting pane, smoke, and a blade in the wind.
 struct World {
   Scene scene = Scene::create().value();
   sideray_instance card = 0, pane = 0;
@@ -98,12 +99,12 @@ World world_of(uint32_t pieces) {
   return world;
 }
 
-// What happens to a world in frame `step`, 0 for the first, of a change.
+// Describes a change of a world; its first frame is step 0.
 struct Change {
   const char* name;
   uint32_t frames;
-  bool keeps_past;  // frames of before may be shown
-  bool is_quick;    // also where few cases run
+  bool keeps_past;  // results from before the change may still be shown
+  bool is_quick;    // runs in quick runs too
   std::function<void(World&, uint32_t step)> happen;
 };
 
@@ -153,7 +154,7 @@ scenes::Image draw(StressStage& stage, World& world, uint32_t frame) {
   return image_of(stage.renderer.render(world.scene, camera_at(world.world_from_camera, 50.0, 0.1), options).value());
 }
 
-// A world before a change, while it happens, and at rest after it.
+// Holds pictures of a world before a change, and at rest after it.
 struct Play {
   scenes::Image before;
   std::vector<scenes::Image> after;  // the first is the last frame of the change
@@ -171,7 +172,7 @@ Play play(StressStage& stage, World world, const Change& change, uint32_t frames
     if (step + 1 == change.frames) seen.after.push_back(std::move(image)), world.pieces = std::min(pieces, world.pieces);
   }
   while (seen.after.size() < frames_after) {
-    // The wind has stopped.
+    // Equal times of this and the previous frame stop the wind.
     if (change.frames > 1) world.scene.set_time(moving_frames / 30.0, moving_frames / 30.0), world.scene.commit();
     seen.after.push_back(draw(stage, world, frame++));
   }

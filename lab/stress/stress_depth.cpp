@@ -1,5 +1,5 @@
-// Tests where shadow rays start, by depth format and offset method, on a floor whose depth is rounded as a depth buffer
-// rounds it. Nothing shadows it, or a plane just above shadows all of it. Rays go through sideray_tracer_trace_rays.
+// Tests the origins of shadow rays, for each depth format and offset method, on a floor whose depth is rounded as in a
+// depth buffer. Nothing shadows it, or a plane just above shadows all of it. sideray_tracer_trace_rays traces.
 #include <fmt/format.h>
 
 #include <bit>
@@ -30,7 +30,7 @@ constexpr std::array<Method, 5> methods{{{"no offset", Offset::none},
                                          {"256 ulps along the normal", Offset::ulps},
                                          {"half a depth step + 2^-21 z toward the eye", Offset::bound}}};
 
-// Stores planar distances as a depth buffer does, and gives them back.
+// Stores planar distances as a depth buffer does, and reads them back.
 struct DepthBuffer {
   Format format;
   double near, far;
@@ -55,8 +55,8 @@ struct DepthBuffer {
   }
 };
 
-// Moves an origin as in Ray Tracing Gems, chapter 6: a fixed number of integer steps of the float, for origins that
-// rays have hit.
+// Moves an origin as in Ray Tracing Gems, chapter 6, by a fixed number of integer steps of the float. That is meant for
+// origins that are hit points of rays.
 double moved_by_ulps(double coordinate) {
   const auto f = static_cast<float>(coordinate);
   if (std::abs(f) < 1.0f / 32.0f) return double{f + 1.0f / 65536.0f};
@@ -76,7 +76,7 @@ sideray_ray shadow_ray(glm::dvec3 eye, glm::dvec3 d, double cosine, const DepthB
   return ray;
 }
 
-// Returns the shadow rays of what the eye sees at `height` over the floor, looking 30 degrees down.
+// Returns the shadow rays of the floor's pixels, seen from `height` above it, looking 30 degrees down.
 std::vector<sideray_ray> shadow_rays(const StressStage& stage, double height, const DepthBuffer& depth, Offset offset) {
   const double angle = glm::radians(30.0), half = std::tan(glm::radians(22.5));
   const glm::dvec3 ahead(0, -std::sin(angle), -std::cos(angle)), up(0, std::cos(angle), -std::sin(angle));
@@ -102,7 +102,7 @@ Scene planes_at(const std::vector<double>& heights, double size) {
 }
 
 struct Floor {
-  Tracer alone, covered;  // covered: under a plane at a hundredth of the eye's height
+  Tracer alone, covered;  // covered: the floor with a plane over it, at a hundredth of the eye's height
 };
 
 void add_rows(StressStage& stage, Floor& floor, double height, const NamedFormat& format, const Method& method,

@@ -20,11 +20,11 @@ constexpr std::array<Stepper, 3> steppers{{{"--diagnose step=multihit", SIDERAY_
                                            {"--diagnose step=listing", SIDERAY_STEP_LISTING, false}}};
 
 struct PaneView {
-  std::vector<Pane> panes;  // in the order of their ids, the nearest first
+  std::vector<Pane> panes;  // by their ids, the nearest first
   sideray_camera camera;
 };
 
-// Counts the share of layers that do not hold the surface that is there.
+// Measures the share of layers that hold a wrong surface.
 StressRow count_layers(StressStage& stage, const Scene& scene, const PaneView& view, const Stepper& stepper) {
   const auto layers = static_cast<uint32_t>(view.panes.size());
   RenderOptions options = picture_options(stage);

@@ -1,5 +1,5 @@
-// Tests leaf cards from several pixels to far below one pixel wide, against where the cards are: a grid of squares,
-// each a quarter of its cell, so that every point's shadow and the shaded share are known.
+// Tests leaf cards from several pixels to far below one pixel wide. The cards form a grid of squares, each a quarter of
+// its cell, so that every point's shadow and the shaded share are known.
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +9,7 @@ namespace sideray::lab {
 namespace {
 
 constexpr double eye_height = 5.0, leaf_height = 10.0, fov_deg = 45.0;
-constexpr double turn = 0.37;  // radians of the grid about the line of sight: rows of pixels and leaves do not beat
+constexpr double turn = 0.37;  // radians about the line of sight, against moire of pixels and leaves
 constexpr double across_x = 0.3137, across_z = 0.7211;  // of a cell, so that no edge lies on a pixel's centre
 
 enum class Leaf { triangles, nearest, trilinear };
@@ -31,7 +31,7 @@ struct Grid {
   double half_extent;  // of the whole grid
 };
 
-// Returns a depth above 0 inside of a leaf, in widths of it from the nearest edge.
+// Returns the distance to the nearest edge in widths of the leaf, above 0 inside of it.
 double depth_in_card(double u, double v) {
   const auto inside = [](double part) {
     return part < 0.5 ? 2.0 * std::min(part, 0.5 - part) : -2.0 * std::min(part - 0.5, 1.0 - part);
@@ -39,7 +39,8 @@ double depth_in_card(double u, double v) {
   return std::min(inside(u), inside(v));
 }
 
-// Does the same for what the cut-off leaves of one opaque texel among four, interpolated: less than the texel.
+// Does the same for a leaf that is one opaque texel of four, with interpolated alpha: the cutoff of 0.5 leaves less
+// than the texel.
 double depth_in_texel(double u, double v) {
   const auto tent = [](double part) {
     const double texels = 2.0 * std::abs(part - 0.25);
@@ -55,7 +56,7 @@ double depth_in_leaf(const Grid& grid, Leaf leaf, double x, double z) {
   return leaf == Leaf::trilinear ? depth_in_texel(in_u, in_v) : depth_in_card(in_u, in_v);
 }
 
-// Returns the share of the area that leaves cover: a card is a quarter of its cell.
+// Returns the share of the area that leaves cover.
 double coverage_of(Leaf leaf) {
   return leaf == Leaf::trilinear ? 0.5 - 0.5 * std::log(2.0) : 0.25;
 }
@@ -90,7 +91,7 @@ void add_squares(Scene& scene, const Grid& grid) {
   scene.add_instances({&instance, 1});
 }
 
-// Adds one card as large as the grid, cut out by a texture of 2x2 texels that repeats.
+// Adds a single card as large as the grid, cut out by a repeated texture of 2x2 texels.
 void add_cut_out(Scene& scene, const Grid& grid, sideray_filter filter) {
   const double half = grid.half_extent, cell = 2.0 * grid.width;
   const std::array<glm::vec3, 4> positions{glm::vec3(-half, leaf_height, -half), glm::vec3(-half, leaf_height, half),
@@ -120,7 +121,7 @@ void add_cut_out(Scene& scene, const Grid& grid, sideray_filter filter) {
   scene.add_instances({&instance, 1});
 }
 
-// The eye looks down on a floor from below the leaves, which it does not see; light falls straight down.
+// Returns a floor under leaves and light from straight above. The camera looks down from below the leaves.
 Scene scene_of(const Grid& grid, Leaf leaf) {
   Scene scene = Scene::create().value();
   set_light_from_above(scene);
@@ -168,7 +169,7 @@ std::vector<StressRow> rows_of(StressStage& stage, const Method& method, double 
                                          (y + 0.5 - 0.5 * stage.height) * pixel);
       const bool is_dark = lit[i] < half_lit;
       dark += is_dark;
-      // At an edge the rounding of floats decides, so that such points do not count.
+      // Points at an edge do not count: there the rounding of floats decides.
       if (std::abs(depth) * grid.width < 1e-5 * eye_height) continue;
       judged += 1.0;
       if (is_dark == (depth > 0)) continue;

@@ -1,5 +1,5 @@
-// Tests matchers over stacks of parallel walls of glass, counted by the renderer's own check against every surface by
-// rays.
+// Tests matchers over stacks of parallel walls of glass. The renderer's own check counts errors, by rays that find
+// every surface.
 #include <fmt/format.h>
 #include <sideray/diagnostics.h>
 #include <nlohmann/json.hpp>
@@ -38,7 +38,7 @@ glm::dmat4 world_from_stage(double unit) {
   return glm::rotate(m, -0.4, glm::normalize(glm::dvec3(1.0, 0.1, 0.5)));
 }
 
-// Places the walls like a floor below the eye that the line of sight hits at the angle; they stand across it at 0.
+// Places the walls at the angle between line of sight and normal: across the view at 0, like floors near 90 degrees.
 std::vector<Pane> panes_of(const Walls& walls) {
   constexpr int count = 4;
   const double angle = glm::radians(walls.angle_deg), reach = std::min(0.95 / std::max(std::sin(angle), 0.1), 2.0);
@@ -54,7 +54,7 @@ std::vector<Pane> panes_of(const Walls& walls) {
   return panes;
 }
 
-// Where two pictures of the same surfaces differ, a fragment took a colour that is not its own.
+// Marks pixels in which two pictures of the same surfaces differ: there a fragment took another surface's colour.
 FailureMap differences(const StressStage& stage, const Picture& a, const Picture& b) {
   constexpr float visible = 0.02f;
   FailureMap map = map_of(stage);

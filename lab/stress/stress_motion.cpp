@@ -1,5 +1,4 @@
-// Tests glass that moves while its layers are a frame late, by lookups as shaders/host/sideray.glsl does them, in
-// double.
+// Tests moving glass whose layers are one frame late. Lookups are those of shaders/host/sideray.glsl, in double.
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <nlohmann/json.hpp>
@@ -24,8 +23,8 @@ constexpr std::array<Variant, 3> variants{
      {"sideray_translucent, --diagnose match=distance,match-threshold=0.01", Lookup::own_pixel_distance, false},
      {"sideray_translucent_moving", Lookup::previous_position, true}}};
 
-// Describes a picture of the pane, which is the rectangle |x| <= half_width, |y| <= half_height, z = 0 of its own
-// space.
+// Holds the transforms of one picture of the pane, which is the rectangle |x| <= half_width, |y| <= half_height, z = 0
+// in its own space.
 struct Moment {
   glm::dmat4 world_from_pane = glm::dmat4(1.0), world_from_camera = glm::dmat4(1.0);
 };
@@ -45,7 +44,7 @@ class PixelGrid {
                                (1.0 - 2.0 * (p.y + 0.5) / height_) * tangent(), -1.0);
     return glm::normalize(glm::dmat3(camera_) * in_camera);
   }
-  // Returns nothing outside the picture.
+  // Returns the pixel that shows the point, nothing outside the picture.
   std::optional<size_t> pixel_of(glm::dvec3 world) const {
     const glm::dvec4 p = glm::inverse(camera_) * glm::dvec4(world, 1.0);
     if (p.z >= 0.0) return {};
@@ -76,8 +75,7 @@ std::optional<glm::dvec3> met(const PixelGrid& grid, Pixel pixel, const glm::dma
   return point;
 }
 
-// The pane's colours are made of this coordinate: it runs once from its left to its right, and from its foot to its
-// head.
+// Returns the pane's colour: one component rises from left to right, the other from bottom to top.
 glm::dvec2 colour_at(glm::dvec3 in_pane) {
   return glm::dvec2(0.5) + 0.4 * glm::dvec2(in_pane.x / half_width, in_pane.y / half_height);
 }
@@ -115,13 +113,13 @@ Scene scene_at(const Moment& moment) {
   return scene;
 }
 
-// Holds the layers of the frame before, and returns which of them answer a fragment of this frame.
+// Holds the layers of the previous frame, in which fragments of this frame look themselves up.
 class LateLayers {
  public:
   LateLayers(StressStage& stage, const Moment& before)
       : before_(before), grid_(stage, before.world_from_camera), picture_(draw(stage, before)), planes_(picture_) {}
 
-  // Looks up a point of the pane that the picture of `now` shows in a pixel. Empty: no answer.
+  // Looks up a point of the pane that pixel `pixel` of the picture `now` shows. Returns nothing without an answer.
   std::optional<glm::dvec2> find(Lookup lookup, const Moment& now, size_t pixel, glm::dvec3 in_pane) const {
     const glm::dvec3 world(now.world_from_pane * glm::dvec4(in_pane, 1.0)), was = previous(in_pane);
     const double away = glm::distance(world, grid_.eye());
@@ -136,7 +134,7 @@ class LateLayers {
     const std::optional<size_t> there = grid_.pixel_of(was);
     return there ? in_plane(*there, was) : std::nullopt;
   }
-  // Returns whether the point was in the middle of what a ray of the frame before saw.
+  // Returns whether the previous frame's ray hit the pane in the pixel that showed the point then.
   bool traced(glm::dvec3 in_pane) const {
     const std::optional<size_t> there = grid_.pixel_of(previous(in_pane));
     return there && met(grid_, grid_.at(*there), before_.world_from_pane);
@@ -157,7 +155,7 @@ class LateLayers {
     const glm::dvec3 most = glm::max(glm::abs(world), glm::abs(grid_.eye()));
     return std::max(away, 0.25 * std::max({most.x, most.y, most.z})) * 0x1p-22;
   }
-  // Returns by how much the distance changes from pixel to pixel; rasterization moves vertices by a 256th of one.
+  // Returns the change of distance that rasterization may cause, which moves vertices by up to a 256th of a pixel.
   double slope(const Moment& now, glm::dvec3 world) const {
     const glm::dvec3 from_eye = world - grid_.eye(), normal(now.world_from_pane[2]);
     const double across = glm::length(from_eye - glm::dot(from_eye, normal) * normal);
@@ -201,7 +199,7 @@ void add_rows(StressStage& stage, const Motion& motion, double speed, std::vecto
   moved = glm::translate(moved, speed * pixel * motion.direction);
   const LateLayers layers(stage, before);
   const PixelGrid grid(stage, now.world_from_camera);
-  // This bounds how far colours change over a pixel of the frame before, with a little for halfs.
+  // The largest change of the colour over a pixel of the previous frame, plus the rounding of half floats.
   const glm::dvec2 visible = 0.4 * pixel / glm::dvec2(half_width, half_height) + 0x1p-10;
   for (const Variant& variant : variants) {
     FailureMap map = map_of(stage);

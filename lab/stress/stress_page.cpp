@@ -16,7 +16,7 @@ void add_once(Names& names, const std::string& name) {
   if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
 }
 
-// Lists what tells the rows apart, each once, in the order of the rows.
+// Lists the variants, parameters and measures of the rows, each once, in the order of the rows.
 struct Axes {
   Names variants, parameters, measures;
 };
@@ -69,7 +69,7 @@ std::string cell(const StressRow* row) {
   return fmt::format("<td class=\"{}\">{:.3g}</td>", row->pass() ? "pass" : "fail", row->value);
 }
 
-// Bounds may differ along a row of the table: the largest is shown.
+// Returns the table of one measure. Bounds may differ along a row of it: the largest is shown.
 std::string measure_table(std::span<const StressRow> rows, const Axes& axes, const std::string& measure) {
   double bound = 0;
   for (const StressRow& row : rows)
@@ -181,7 +181,7 @@ Sheet failure_sheet(std::span<const StressRow> of_case) {
     if (row.map.width > 0) mapped.push_back(&row);
   if (mapped.empty()) return {};
   const Axes axes = axes_of(of_case);
-  // A case may map several measures: each has one block of rows.
+  // A case may have maps of several measures: each has one block of rows.
   Names measures;
   for (const StressRow* row : mapped) add_once(measures, row->measure);
   const uint32_t tile_width = mapped[0]->map.width + 2 * frame + 1, tile_height = mapped[0]->map.height + 2 * frame + 1;

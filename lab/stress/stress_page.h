@@ -1,4 +1,4 @@
-// Shows stress rows to people: one page, and failure maps as pictures. Plain memory; any thread may call it.
+// Makes a page of stress rows, and pictures of failure maps. Plain memory; any thread may call it.
 #pragma once
 
 #include <cstdint>
@@ -17,15 +17,16 @@ struct Sheet {
   std::vector<uint8_t> rgb;
 };
 
-// Draws a row of tiles a variant, a column a set of parameters, in the order of the rows: pixels that are wrong are
-// red, a tile's frame is green where its row passes and red where it fails. Empty where no row has a map.
+// Draws failure maps as tiles: one row of tiles for each variant, one column for each set of parameters, in the order
+// of the rows. Wrong pixels are red; a tile's frame is green where its row passes and red where it fails. Empty where
+// no row has a map.
 Sheet failure_sheet(std::span<const StressRow> of_case);
 
 // Returns a whole HTML page with all failure maps inside. `device` names the device of the measurement.
 std::string stress_page(const std::vector<StressCase>& cases, const std::vector<StressRow>& rows,
                         const std::string& device);
 
-// Returns the rows of a case, which are neighbours in `rows`.
+// Returns the rows of a case, which are adjacent in `rows`.
 std::span<const StressRow> rows_of(const std::string& name, std::span<const StressRow> rows);
 
 }  // namespace sideray::lab

@@ -1,5 +1,5 @@
-// Tests what sideray_tracer_trace_rays answers: deeper pixels than the layer cache holds, and meshes with broken
-// triangles.
+// Tests the results of sideray_tracer_trace_rays for pixels with more surfaces than the layer cache holds, and for
+// meshes with broken triangles.
 #include <cmath>
 #include <limits>
 
@@ -34,7 +34,7 @@ Ids by_multihit(Tracer& tracer, const std::vector<sideray_ray>& rays, uint32_t l
   return ids;
 }
 
-// Steps by listing 50-1: MinT grows by each distance found, although that is measured from the eye.
+// Steps by listing 50-1: MinT grows by the distance of each hit, although distances are measured from the eye.
 Ids by_listing(Tracer& tracer, std::vector<sideray_ray> rays, uint32_t layers) {
   constexpr double epsilon = 1e-6;
   Ids ids(rays.size());
@@ -64,13 +64,13 @@ StressRow count(const StressStage& stage, const Ids& ids, uint32_t layers) {
 
 constexpr std::array<const char*, 5> broken_kinds{"none", "no area", "NaN corner", "corner at 1e30", "skinny"};
 
-// Places a wall at z = -2 and, in the same mesh, 64 triangles of a kind: before the wall, where they must be dropped;
-// the skinny ones, which are real, behind it.
+// Returns a wall at z = -2 with 64 triangles of one kind in the same mesh. Broken triangles, which must be dropped, are
+// in front of the wall; skinny ones, which are valid, behind it.
 Scene wall_with(const std::string& kind) {
   std::vector<glm::vec3> positions{{-8, -8, -2}, {8, -8, -2}, {8, 8, -2}, {-8, -8, -2}, {8, 8, -2}, {-8, 8, -2}};
   for (int i = 0; kind != "none" && i < 64; ++i) {
     const float x = 0.02f * static_cast<float>(i - 32), z = kind == "skinny" ? -3.0f : -1.0f;
-    glm::vec3 last(x, 0.0f, z);  // between the others: no area
+    glm::vec3 last(x, 0.0f, z);  // on the line between the others: no area
     if (kind == "NaN corner") last.x = std::numeric_limits<float>::quiet_NaN();
     if (kind == "corner at 1e30") last.x = 1e30f;
     if (kind == "skinny") last.x += 1e-6f;

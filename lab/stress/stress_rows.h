@@ -1,5 +1,5 @@
-// The rows of one stress case as JSON, failure maps too, so that cases that ran apart make one table and one page.
-// Plain memory; any thread may call it.
+// Converts the rows of one stress case to and from JSON, with failure maps, so that cases of separate runs make one
+// table and one page. Plain memory; any thread may call it.
 #pragma once
 
 #include <optional>
@@ -9,10 +9,10 @@
 
 namespace sideray::lab {
 
-// An object a row; the map is a text of one digit a pixel.
+// Returns an object for each row; its map is a string with one digit for each pixel.
 Json rows_json(std::span<const StressRow> rows);
 
-// Empty where the JSON is not of rows.
+// Returns nothing where the JSON does not hold rows.
 std::optional<std::vector<StressRow>> parse_rows(const Json& json);
 
 }  // namespace sideray::lab

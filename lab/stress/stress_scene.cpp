@@ -47,7 +47,7 @@ Scene scene_of_panes(const std::vector<Pane>& panes) {
     glass.alpha_mode = SIDERAY_BLEND;
     glass.unlit = 1;
     glass.double_sided = 1;
-    // Neighbours differ in every channel.
+    // Adjacent panes differ in every channel.
     for (size_t c = 0; c < 3; ++c) glass.base_color[c] = (i + c) % 2 == 0 ? 0.9f : 0.1f;
     glass.base_color[3] = 0.4f;
     add_quad(scene, panes[i], glass, static_cast<uint32_t>(i + 1));

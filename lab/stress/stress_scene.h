@@ -1,4 +1,4 @@
-// Makes small scenes and pictures for the stress cases. The main thread calls it.
+// Makes small scenes and pictures for the stress cases. Only the main thread may call it.
 #pragma once
 
 #include <array>
@@ -40,10 +40,10 @@ sideray_camera camera_at(const glm::dmat4& world_from_camera, double fov_deg, do
 RenderOptions picture_options(const StressStage& stage, sideray_shadows shadows = SIDERAY_SHADOWS_OFF,
                               sideray_translucency translucency = SIDERAY_TRANSLUCENCY_HYBRID);
 
-// Returns the options of a frame of a sequence: all as the program has them, but for its size and times.
+// Returns the options of a frame of a sequence: the program's defaults but for size and times.
 RenderOptions sequence_options(const StressStage& stage, sideray_ambient ambient = SIDERAY_AMBIENT_AO);
 
-// Makes them those of the frame of this number.
+// Sets the options of frame number `frame`; `continues` says that it follows the previous frame.
 void set_frame(RenderOptions& options, uint32_t frame, bool continues);
 
 // Gives access to a picture's planes by name, top row first.
@@ -67,7 +67,7 @@ double flip(const scenes::Image& test, const scenes::Image& reference);
 
 FailureMap map_of(const StressStage& stage);
 
-// Returns the values of a sweep.
+// Returns `values`, or `quick_values` in a quick run.
 std::vector<double> swept(const StressStage& stage, std::vector<double> values, std::vector<double> quick_values);
 
 std::vector<StressRow> layer_gap_case(StressStage& stage);

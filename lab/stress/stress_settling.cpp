@@ -1,5 +1,4 @@
-// Measures what a sequence keeps of the past: a shadow whose occluder has jumped, and what changes while everything
-// rests.
+// Measures the ghost of a shadow whose caster has jumped, and the flicker of a sequence in which everything rests.
 #include <cmath>
 
 #include "lab/metrics/flicker.h"
@@ -21,7 +20,7 @@ constexpr std::array<Method, 4> methods{{{"--denoise off --taa off", false, fals
 constexpr uint32_t frames_before = 2 * SettleMeter::period;
 constexpr double eye_height = 5.0;
 
-// Holds a floor below a card that the eye does not see.
+// Holds a floor below a card that the camera does not see.
 struct Stage {
   Scene scene;
   sideray_instance card;
@@ -89,7 +88,7 @@ InTime play(StressStage& stage, const Method& method, double sun_deg) {
   move_card(shown, right);
   std::vector<scenes::Image> pictures;
   for (uint32_t frame = 0; frame < SettleMeter::held; ++frame) pictures.push_back(draw(frames_before + frame));
-  // At rest nothing of the truth changes: any one picture stands for it.
+  // At rest the truth does not change: any one picture serves as the reference.
   FlickerMeter flicker;
   for (size_t i = 0; i < pictures.size(); ++i) {
     settle.add(pictures[i]);
@@ -99,8 +98,9 @@ InTime play(StressStage& stage, const Method& method, double sun_deg) {
           differences(stage, pictures[SettleMeter::period / 2], pictures.back())};
 }
 
-// Gives the closed form of what averages alone leave (docs/sequences.md): masks are the mean of 8 frames at most, and
-// anti-aliasing gives each new picture a tenth. Ghosts that are recognized by what is seen now go sooner.
+// Returns, in closed form, for how many frames averages alone keep a ghost above `share_left` (docs/sequences.md):
+// masks are the mean of at most 8 frames, and anti-aliasing weights each new picture by a tenth. Ghosts that rejection
+// of the history recognizes end sooner.
 double frames_until(const Method& method, double share_left) {
   const double of_masks = method.denoise ? 8.0 : 1.0;
   return of_masks + (method.taa ? std::log(std::min(share_left, 1.0)) / std::log(0.9) : 0.0);

@@ -1,5 +1,5 @@
-// Tests inexact shadow tests (listing 50-3 and others) where the truth is known: a floor that wind has moved below its
-// rest pose, which nothing shadows, and a floor under an occluder, which is dark everywhere.
+// Tests inexact shadow tests (listing 50-3 and others) where the truth is known. A floor that wind has moved below its
+// rest pose is lit everywhere; a floor under an occluder is dark everywhere.
 #include <fmt/format.h>
 #include <sideray/diagnostics.h>
 
@@ -30,7 +30,8 @@ constexpr std::array<Test, 6> tests{
      {"--inexact restpose --poses 16", SIDERAY_SHADOWS_INEXACT, SIDERAY_INEXACT_RESTPOSE, 16,
       true}}};
 
-// Without OpenGL rays find what is seen where shadow rays hit it: no test is inexact, and the default stands for them all.
+// Returns whether the test runs. Without OpenGL primary and shadow rays hit the same poses, so that no test is inexact
+// and the default stands for all inexact ones.
 bool is_tested(const StressStage& stage, const Test& test) {
   return !stage.by_rays || test.shadows == SIDERAY_SHADOWS_EXACT || test.is_default;
 }
@@ -64,7 +65,7 @@ sideray_material_desc floor_material() {
   return material;
 }
 
-// The drawn floor is below y = 0, which is its rest pose.
+// Returns a floor whose drawn pose is below its rest pose at y = 0.
 Scene moved_floor(double amplitude) {
   Scene scene = lit_from_above();
   sideray_wind_desc wind = sideray_wind_defaults();
@@ -94,8 +95,8 @@ Scene floor_below_an_occluder() {
 struct Shadow {
   FailureMap wrong;
   double share_wrong = 0;
-  double mean_z = 0;             // planar distance of the surface that is seen
-  double mean_hit_distance = 0;  // mean over dark pixels; 0 = none is dark
+  double mean_z = 0;             // mean planar distance of the visible surface
+  double mean_hit_distance = 0;  // mean over dark pixels; 0 = no dark pixel
 };
 
 Shadow draw(StressStage& stage, const Scene& scene, const sideray_camera& camera, const Test& test, double bias,
