@@ -78,7 +78,7 @@ double degrees(float radians) {
   return double{radians} * 57.29577951308232;
 }
 
-// Six digits: the shortest float text, not the digits of the double behind it. std::stod() would throw for 1e-310.
+// Rounds to six digits, so that a float does not print the digits of its double. std::stod() would throw for 1e-310.
 double rounded(double value) {
   return std::strtod(fmt::format("{:.6g}", value).c_str(), nullptr);
 }
@@ -177,7 +177,7 @@ bool tints_specular(const sideray_material_desc& desc) {
          std::any_of(desc.specular_color, desc.specular_color + 3, [](float c) { return c != 1.0f; });
 }
 
-// Few materials have these: absent where they do nothing.
+// Adds the lobes that few materials have, unless they do nothing.
 void add_lobes(const sideray_material_desc& desc, Json& json) {
   if (any(desc.emissive)) json["emissive"] = list(desc.emissive, 3);
   if (tints_specular(desc)) {
@@ -266,14 +266,15 @@ std::string emitter_line(const Emitter& emitter) {
   return line;
 }
 
-// The translucent objects of one name, which is what --ray-traced patterns match.
+// Holds the translucent objects of one name, which --ray-traced patterns match.
 struct NamedObjects {
   std::string name;
   bool by_auto = false;  // `auto` traces them
   size_t count = 0;
 };
 
-// In the order of their first objects. Primitives of one node share its name and may differ in `by_auto`.
+// Returns the names in the order of their first objects. Primitives of one node share its name but may differ in
+// `by_auto`.
 std::vector<NamedObjects> translucent_objects(const Content& content) {
   const std::vector<bool> traced = select_ray_traced(content, "auto", {}, 1, 1);
   std::vector<NamedObjects> groups;
@@ -353,7 +354,7 @@ std::string info_json(const Content& content) {
   json["extensions"] = content.extensions;
   json["defaulted"] = content.defaulted;
   json["warnings"] = content.warnings;
-  // Names in a file may be any bytes.
+  // Names in a file may not be valid UTF-8.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -20,7 +20,7 @@ sideray_attribute attribute(const std::vector<float>& values) {
   return {values.empty() ? nullptr : values.data(), 0};
 }
 
-// As long as the mesh stays.
+// Returns a description that is valid as long as the mesh.
 sideray_mesh_desc desc_of(const Mesh& mesh) {
   sideray_mesh_desc desc = sideray_mesh_defaults();
   desc.vertex_count = static_cast<uint32_t>(mesh.positions.size() / 3);
@@ -42,7 +42,7 @@ sideray_material_desc desc_of(const Material& material) {
   return desc;
 }
 
-// Textures are numbered as fill() has added them to an empty scene.
+// Updates animated materials. Texture numbers are those of fill(), which added them to an empty scene.
 void change_materials(Scene& scene, const Content& content) {
   for (const AnimatedMaterial& animated : content.rig->materials)
     for (const AnimatedMaterial::Shown& shown : animated.shown)
@@ -57,8 +57,8 @@ void bend_meshes(Scene& scene, const Content& content) {
     if (!morphed.is_skinned) scene.set_vertices(morphed.mesh + 1, desc_of(content.meshes[morphed.mesh]));
 }
 
-// Skinned ones come unbent, and morphed ones at no node's weights: what a pose folds to nothing would be dropped for
-// good.
+// Adds meshes, skinned ones before skinning and morphed ones at arbitrary weights: triangles that have no area in the
+// current pose would be dropped permanently.
 std::vector<sideray_mesh> add_meshes(Scene& scene, const Content& content) {
   std::vector<sideray_mesh_desc> descs;
   for (const Mesh& mesh : content.meshes) descs.push_back(desc_of(mesh));
@@ -217,7 +217,7 @@ Sky sky() {
   for (uint32_t y = 0; y < sky.height; ++y) {
     const double elevation = (0.5 - (y + 0.5) / sky.height) * 3.14159265358979;
     const double up = elementary::sin(elevation);
-    // A haze band of about 3 degrees softens the horizon, so that reflections of it do not flicker.
+    // A haze band of about 3 degrees softens the horizon, so that its reflections do not flicker.
     const double above = glm::smoothstep(-0.05, 0.0, up);
     const glm::dvec3 air = glm::mix(horizon, zenith, std::sqrt(std::max(up, 0.0)));
     const glm::dvec3 color = glm::mix(ground, air, above);

@@ -1,4 +1,4 @@
-// sideray_content_*: glTF files for programs in any language.
+// Implements sideray_content_*: glTF files for programs in any language.
 #include <sideray/scenes.h>
 
 #include "scenes/base/border.h"
@@ -17,7 +17,7 @@ struct sideray_content {
 
 namespace {
 
-// Its first one, or one that frames it all in a picture of this size.
+// Returns the content's first camera, or one that frames everything in a picture of this size.
 sideray_camera first_camera(const Content& content, uint32_t width, uint32_t height) {
   if (!content.cameras.empty()) return content.cameras.front().camera;
   const uint32_t rows = height == 0 ? 1 : height;

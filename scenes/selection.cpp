@@ -35,8 +35,9 @@ double mean_roughness(const Content& content, const sideray_texture_slot& slot) 
   return static_cast<double>(sum) / (255.0 * static_cast<double>(rgba.size() / 4));
 }
 
-// Rough glass, too: what is seen through it is blurred by rays alone. What covers by its alpha shows what is behind it in its
-// place, and what it reflects where it is rough hardly depends on rays.
+// Returns whether `auto` traces the material. It traces all transmission, also of rough glass: only rays blur the view
+// through it. It does not trace rough blended surfaces: blending shows the background in place, and rays hardly change
+// rough reflections.
 bool traced_by_itself(const Content& content, const Material& material) {
   if (material.ray_traced != RayTraced::by_default) return material.ray_traced == RayTraced::yes;
   if (material.desc.transmission > 0.0f) return true;
@@ -44,7 +45,7 @@ bool traced_by_itself(const Content& content, const Material& material) {
   return double{material.desc.roughness} * texture < double{smooth_roughness};
 }
 
-// Area in pixels of the rectangle around what the camera may see of the object.
+// Returns the area in pixels of the rectangle around the object's visible part.
 double screen_area(const Bounds& world, const sideray_camera& camera, uint32_t width, uint32_t height) {
   if (world.empty()) return 0.0;
   const double* m = camera.world_from_camera;
@@ -68,7 +69,7 @@ double screen_area(const Bounds& world, const sideray_camera& camera, uint32_t w
     if (-view.z > double{camera.z_near}) low = glm::min(low, screen), high = glm::max(high, screen);
   }
   if (low.x > high.x) return 0.0;
-  // A box that reaches behind the camera has no finite outline: its visible corners span to the picture's edge.
+  // A box that reaches behind the camera has no finite outline: its rectangle covers the whole picture.
   if (behind) low = glm::min(low, glm::dvec2(-1)), high = glm::max(high, glm::dvec2(1));
   const glm::dvec2 size = glm::clamp(high, -1.0, 1.0) - glm::clamp(low, -1.0, 1.0);
   return 0.25 * size.x * size.y * width * height;

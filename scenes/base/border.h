@@ -1,5 +1,5 @@
-// The border between the C interface of scenes.h and what throws behind it, as bridge/api/border.h is for sideray.h: the
-// two libraries share nothing but the public headers. Any thread.
+// Turns exceptions into the errors of the C interface of scenes.h, as bridge/api/border.h does for sideray.h. The two
+// libraries share only the public headers. Any thread.
 #pragma once
 
 #include <fmt/format.h>
@@ -20,7 +20,7 @@ inline sideray_status report(sideray_error* error, sideray_status status, const 
   return status;
 }
 
-// Runs `body` and turns what it throws into a status and a message.
+// Runs `body`, and turns exceptions into a status and a message.
 template <typename Body>
 sideray_status guarded(sideray_error* error, const Body& body) noexcept {
   try {
@@ -42,7 +42,7 @@ inline void require(const void* pointer, const char* name) {
   if (!pointer) throw Error(SIDERAY_INVALID_ARGUMENT, fmt::format("{}: is NULL; give a valid pointer", name));
 }
 
-// A caller that left `size` uninitialised gives nonsense; no version of a struct will be this much larger than today's.
+// A larger difference from our size means that the caller left `size` uninitialized: no version will grow that much.
 inline constexpr size_t most_unknown_bytes = 4096;
 
 inline void require_size(size_t size, size_t known_bytes, const char* name) {
@@ -52,7 +52,7 @@ inline void require_size(size_t size, size_t known_bytes, const char* name) {
                             name, size, known_bytes));
 }
 
-// Fills the caller's struct as far as the caller knows it, and what only the caller knows with 0.
+// Fills those fields of the caller's struct that both know with the defaults, and those of a newer caller with 0.
 template <typename T>
 void init_struct(T* out, size_t size, T defaults) noexcept {
   if (!out || size < sizeof(size_t)) return;
@@ -61,8 +61,8 @@ void init_struct(T* out, size_t size, T defaults) noexcept {
   std::memcpy(static_cast<void*>(out), &defaults, std::min(size, sizeof(T)));
 }
 
-// Copies a struct of any version; NULL reads as the defaults. What an older caller's lacks has its default, and what a
-// newer caller's has beyond ours must be 0, for it cannot be obeyed.
+// Copies a struct of any version; NULL means the defaults. Fields that an older caller lacks get their defaults. Fields
+// that a newer caller has beyond ours must be 0, since they would have no effect.
 template <typename T>
 T read_struct(const T* given, const char* name, void (*init)(T*, size_t)) {
   T read;
@@ -81,7 +81,7 @@ T read_struct(const T* given, const char* name, void (*init)(T*, size_t)) {
   return read;
 }
 
-// Fills the caller's struct as far as the caller knows it; its size stays.
+// Fills the fields that the caller's struct has; its `size` stays.
 template <typename T>
 void write_struct(T* out, const T& filled, const char* name) {
   require(out, name);

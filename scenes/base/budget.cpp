@@ -18,7 +18,7 @@ double processor_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// The number that an environment variable holds; `fallback` where it is not set.
+// Returns the number in an environment variable, or `fallback` where it is not set.
 double number_from(const char* variable, double fallback, double most) {
   const char* text = std::getenv(variable);
   if (text == nullptr || *text == '\0') return fallback;

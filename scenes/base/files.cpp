@@ -27,8 +27,8 @@ struct OpenFile {
   }
 };
 
-// Makes a file beside `target` under a unique name, and owns it until it is renamed. What needs memory
-// comes before the file.
+// Makes a file beside `target` under a unique name, and owns it until it is renamed. Memory is allocated before the
+// file is made, so that a failed allocation leaves no file.
 struct TemporaryFile : OpenFile {
   std::string name;
   bool is_there = false;
@@ -73,7 +73,7 @@ const char* remedy_for_writing(int code) {
   refuse("cannot write {}: {}; {}", path, std::strerror(code), remedy_for_writing(code));
 }
 
-// Where a link that leads to no file points: the file that writing through it creates.
+// Returns the file at the end of symbolic links. It need not exist: writing through the link would create it.
 std::string end_of_links(const std::string& path) {
   constexpr int maximum_links = 40;  // as Linux follows
   fs::path end = path;
@@ -87,7 +87,7 @@ std::string end_of_links(const std::string& path) {
   refuse_writing(path, ELOOP);
 }
 
-// The file that a rename may replace: behind a symbolic link, its target.
+// Returns the file that a rename may replace: the target of a symbolic link, else `path` itself.
 std::string write_target(const std::string& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -119,7 +119,7 @@ uint64_t file_size(const std::string& path) {
 
 std::vector<uint8_t> read_file(const std::string& path, uint64_t maximum_bytes) {
   OpenFile file;
-  // O_NONBLOCK: opening a pipe without a writer would wait for ever.
+  // Without O_NONBLOCK, opening a pipe that has no writer would block forever.
   file.descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file.descriptor < 0) refuse("cannot read {}: {}; {}", path, std::strerror(errno), remedy_for_reading(errno));
   struct stat status {};
@@ -154,11 +154,11 @@ void write_file(const std::string& path, std::span<const uint8_t> bytes) {
     if (count <= 0) refuse_writing(path, count < 0 ? errno : ENOSPC);
     done += static_cast<size_t>(count);
   }
-  // A rename can reach the disk before the bytes do: after a power cut there would be neither the old file nor the new
-  // one. Where space is given late, as on a network, its lack shows here. Some file systems lack the call.
+  // A rename can reach the disk before the bytes do, so that a power cut would leave neither the old nor the new file.
+  // Network file systems report a full disk only here. Some file systems do not support the call.
   if (::fsync(file.descriptor) != 0 && errno != EINVAL && errno != ENOSYS && errno != EOPNOTSUPP)
     refuse_writing(path, errno);
-  // mkostemp makes private files; a picture gets the permissions any new file would.
+  // mkostemp makes private files; a picture should have the permissions of any new file.
   const mode_t mask = ::umask(0);
   ::umask(mask);
   ::fchmod(file.descriptor, static_cast<mode_t>(0666) & ~mask);

@@ -1,4 +1,4 @@
-// The texture slots of a material under the names that `info` shows. Any thread.
+// Lists the texture slots of a material, with the names that `info` shows. Any thread.
 #pragma once
 
 #include <sideray/sideray.h>

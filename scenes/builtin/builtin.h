@@ -1,4 +1,5 @@
-// Makes scenes by code: deterministic, from no files. A target of its own, for the program and the tests. Any thread.
+// Makes scenes by code, deterministically and without files. A separate target, for the program and the tests. Any
+// thread.
 #pragma once
 
 #include <map>
@@ -18,17 +19,18 @@ struct Builtin {
   std::vector<Parameter> parameters;
 };
 
-// Every built-in scene, with its parameters.
+// Returns every built-in scene, with its parameters.
 const std::vector<Builtin>& builtins();
 bool is_builtin(const std::string& name);
 
 using Settings = std::map<std::string, std::string>;
 
-// Throws Error for an unknown scene or parameter, or a value out of range; the message lists what exists.
+// Returns a built-in scene. Throws Error for an unknown scene or parameter, or a value out of range; the message lists
+// the valid ones.
 Content generate(const std::string& name, const Settings& settings);
 
-// `scene`: a .gltf or .glb path, or the name of a built-in scene, with "?K=V&K=V" behind it for its parameters. Throws
-// Error with one clear line.
+// Loads `scene`: a .gltf or .glb path, or the name of a built-in scene, which "?K=V&K=V" may follow with parameters.
+// Throws Error with one clear line.
 Content load(const std::string& scene, const LoadOptions& options = {});
 
 }  // namespace sideray::scenes

@@ -8,11 +8,11 @@
 
 namespace sideray::scenes {
 
-// A scene's parameters, all present, as numbers.
+// Holds the values of all parameters of a scene.
 struct Numbers {
   std::string scene;
   std::map<std::string, double> values;
-  // Throws Error where it is outside.
+  // Both return a parameter, and throw Error where it is out of range.
   double in_range(const std::string& name, double low, double high) const;
   int whole_in_range(const std::string& name, int low, int high) const;
 };

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kind_count = 5;
 
-// One of every way to be translucent, in turn.
+// Returns the kinds of translucency in turn: alpha, transmission, additive, premultiplied, multiplied.
 sideray_material_desc kind_of_glass(int i) {
   const glm::vec3 tints[] = {{0.9f, 0.25f, 0.2f}, {0.3f, 0.8f, 0.35f}, {0.25f, 0.4f, 0.95f}, {0.95f, 0.8f, 0.3f}};
   const glm::vec3 tint = tints[(i / kind_count + i) % 4];
@@ -60,13 +60,13 @@ Content make_crossing(const Numbers& numbers) {
     return rotated(m, tilt, glm::dvec3(1, 0, 0));
   };
 
-  // Through one another: a star about the vertical, tilted a little, so that no two share a line.
+  // Panes cross in a star about the vertical, each tilted a little, so that no two intersect in the same line.
   const uint32_t pane = b.mesh(sheet(0.62f, 0.8f), "pane");
   for (int i = 0; i < panes; ++i)
     add(fmt::format("pane{}", i), pane,
         placed({-1.45, 0, 0}, glm::pi<double>() * (i + 0.3) / panes, 0.1 * i, 0.12 * i));
 
-  // Each over the next, around a ring: no order of whole strips is right.
+  // Strips overlap around a ring, each over the next, so that no order of whole strips is right.
   const uint32_t strip = b.mesh(sheet(0.75f, 0.16f), "strip");
   for (int i = 0; i < strips; ++i) {
     const double turn = 2 * glm::pi<double>() * i / strips;
@@ -75,7 +75,7 @@ Content make_crossing(const Numbers& numbers) {
                turn, 0));
   }
 
-  // Many behind one another, each leaning its own way through its neighbours.
+  // Many layers are behind one another, each tilted differently so that it crosses its neighbours.
   const uint32_t layer = b.mesh(sheet(0.55f, 0.75f), "layer");
   for (int i = 0; i < layers; ++i)
     add(fmt::format("layer{}", i), layer,

@@ -13,7 +13,7 @@ namespace {
 
 using glm::vec3;
 
-// The camera stands in the origin and looks along -Z; a metre away, the picture is 0.83 m high.
+// The camera is at the origin and looks along -Z; at 1 m the picture is 0.83 m high.
 constexpr float fov_deg = 45.0f;
 constexpr float pixel_at_1m = 2.0f * 0.41421356f / 720.0f;  // of a picture 720 pixels high
 
@@ -30,7 +30,7 @@ Shape rectangle(float width, float height) {
   return Shape().quad({-width, -height, 0}, {width, -height, 0}, {width, height, 0}, {-width, height, 0});
 }
 
-// Opaque surroundings, patterned, so that reflections have edges too.
+// Adds opaque surroundings with patterns, so that reflections have edges too.
 void add_room(ContentBuilder& b) {
   const auto patterned = [&](const char* name, glm::u8vec3 one, glm::u8vec3 other, uint32_t cells) {
     sideray_material_desc d = opaque_material(vec3(1), 0.8f);
@@ -46,7 +46,7 @@ void add_room(ContentBuilder& b) {
            {9, 0, -8}, -90);
 }
 
-// Sheets that overlap by less and less: every silhouette lies over other layers.
+// Adds sheets that overlap by less and less, so that every silhouette is in front of other layers.
 void add_sheets(ContentBuilder& b) {
   const vec3 tints[] = {{0.9f, 0.95f, 1.0f}, {1.0f, 0.8f, 0.75f}, {0.75f, 1.0f, 0.8f}, {1.0f, 0.95f, 0.7f}};
   const uint32_t mesh = b.mesh(rectangle(0.34f, 0.34f), "sheet");
@@ -59,7 +59,7 @@ void add_sheets(ContentBuilder& b) {
   }
 }
 
-// Upright panes seen at 80 to 89 degrees, in pairs 12 mm apart, and a floor of glass that runs on to the wall.
+// Adds upright panes seen at 80 to 89 degrees, in pairs 12 mm apart, and a glass floor that reaches the wall.
 void add_glancing(ContentBuilder& b) {
   const uint32_t material = b.material("glancing", sheet_material({0.85f, 0.95f, 1.0f}));
   int i = 0;
@@ -78,7 +78,7 @@ void add_glancing(ContentBuilder& b) {
   b.object("glass floor", floor, b.material("glass floor", sheet_material({0.8f, 0.9f, 0.85f})), {0, -0.75, -10});
 }
 
-// Upright rods of glass from a quarter of a pixel to two pixels wide, and slanted wires, at several distances.
+// Adds upright glass rods from a quarter of a pixel to two pixels wide, and slanted wires, at several distances.
 void add_rods(ContentBuilder& b, float thickness) {
   const uint32_t material = b.material("rod", glass_material({0.9f, 1.0f, 0.95f}, 0.02f));
   const float widths[] = {0.25f, 0.5f, 0.75f, 1.0f, 1.5f, 2.0f};  // pixels
@@ -101,7 +101,7 @@ void add_curved(ContentBuilder& b) {
   b.object("sphere", b.mesh(Shape().sphere({}, 0.22f, 64), "sphere"), material, {-1.15, -0.52, -3.2});
   b.object("small sphere", b.mesh(Shape().sphere({}, 0.05f, 32), "small sphere"), material, {-0.75, -0.55, -3.0});
   b.object("cylinder", b.mesh(Shape().cylinder({}, 0.16f, 0.7f, 48), "cylinder"), material, {0.75, -0.74, -3.2});
-  // Thin walled: the inner wall must not take the outer wall's layers.
+  // The beaker has thin walls, so that a matcher may confuse the inner with the outer one.
   const std::vector<glm::vec2> beaker{{0, 0}, {0.15f, 0}, {0.17f, 0.5f}, {0.167f, 0.5f}, {0.147f, 0.003f}, {0, 0.003f}};
   b.object("beaker", b.mesh(Shape().lathe({}, beaker, 48), "beaker"), material, {1.3, -0.74, -3.3});
 }

@@ -22,9 +22,9 @@ constexpr float pond_radius = 4.2f, water_y = -0.2f;
 constexpr vec2 wall_low(1.5f, -8.3f), wall_high(9.5f, -8.0f);  // x and z
 constexpr float wall_height = 2.6f;
 constexpr vec2 viewpoint(-2.4f, 12.5f);
-constexpr uint32_t yaws = 4;  // ways that plants are turned; each its own wind in object space
+constexpr uint32_t yaws = 4;  // rotations of plants; each needs its own wind in object space
 
-// Distance from the middle of the pond, 1 at its shore.
+// Returns the distance from the middle of the pond, 1 at its shore.
 float shore(vec2 p) {
   const float turn = elementary::atan2(p.y, p.x);
   return glm::length(p * vec2(0.8f, 1.1f)) / (pond_radius * (1.0f + 0.08f * elementary::sin(3.0f * turn + 0.7f)));
@@ -72,8 +72,9 @@ vec2 cell_of(uint32_t morton) {
   return {static_cast<float>(even(morton)), static_cast<float>(even(morton >> 1))};
 }
 
-// Jittered cells of a square, along a curve that keeps neighbours together, so that what a picture sees of a species
-// is few runs of instances. Those where nothing grows are skipped; of the rest every n-th, until they are `count`.
+// Returns `count` plants at jittered places in the cells of a square. Cells are in the order of a curve that keeps
+// neighbours together, so that a picture sees few runs of a species' instances. Places where nothing grows are skipped,
+// and the rest is thinned evenly.
 std::vector<Plant> place_plants(uint32_t count, uint32_t seed) {
   const float side = std::max(26.0f, 0.8f * std::sqrt(static_cast<float>(count)));
   for (uint32_t bits = 2;; ++bits) {
@@ -95,7 +96,7 @@ std::vector<Plant> place_plants(uint32_t count, uint32_t seed) {
   }
 }
 
-// Whose shadows fall on the wall, and those that frame the picture.
+// Returns the plants whose shadows fall on the wall, and those that frame the picture.
 std::vector<Plant> chosen_plants() {
   std::vector<Plant> plants;
   for (const vec2 at : {vec2(7.6f, -5.2f), vec2(11.2f, -5.4f), vec2(-7.2f, 2.5f), vec2(8.6f, 3.4f)})
@@ -115,7 +116,7 @@ class Planting {
         for (uint32_t yaw = 0; yaw < yaws; ++yaw) {
           sideray_wind_desc wind = s.wind;
           if (!has_leaves) wind.leaf_amplitude = 0;
-          // A plant that is turned about +y by the yaw sees the wind turned the other way.
+          // In the space of a plant turned about +y by the yaw, the wind is turned the other way.
           const float angle = blows + turn(yaw);
           wind.direction[0] = elementary::cos(angle), wind.direction[1] = 0, wind.direction[2] = elementary::sin(angle);
           winds_.push_back(b_.wind(wind));
@@ -151,7 +152,7 @@ class Planting {
   ContentBuilder& b_;
   std::vector<Species> species_;
   uint32_t seed_;
-  std::vector<uint32_t> winds_;  // of each species: trunk and leaves, each turned
+  std::vector<uint32_t> winds_;  // for each species: those of trunk and leaves in each rotation
 };
 
 Texel ground_texel(vec2 uv) {
@@ -172,7 +173,7 @@ Texel wall_texel(vec2 uv) {
 
 void add_ground(ContentBuilder& b, float half_side) {
   Shape land = Shape().sheet(220, 220, [=](float u, float v) {
-    // Finer toward the middle, where the pond is.
+    // The grid is finer toward the middle, where the pond is.
     const auto at = [=](float t) { return half_side * (0.35f * t + 0.65f * t * t * t); };
     const vec2 p(at(2 * u - 1), -at(2 * v - 1));
     return vec3(p.x, ground(p), p.y);

@@ -16,7 +16,7 @@ vec3 around(float turn) {
   return {elementary::cos(turn), 0, elementary::sin(turn)};
 }
 
-// A branch that thins out along a curved axis from `a` to `b`.
+// Adds a branch that thins out along a curved axis from `a` to `b`.
 void add_limb(Shape& shape, vec3 a, vec3 b, float radius_a, float radius_b, vec3 bend, uint32_t sides, uint32_t rows,
               vec2 uv_scale) {
   const vec3 along = glm::normalize(b - a);
@@ -32,10 +32,10 @@ void add_limb(Shape& shape, vec3 a, vec3 b, float radius_a, float radius_b, vec3
       uv_scale);
 }
 
-// Grows a mesh of leaf cards whose normals are those of the crown as a whole, so that it is lit as one body.
+// Builds a mesh of leaf cards with the normals of the whole crown, so that it is lit as one body.
 class Crown {
  public:
-  // A card from `root` along `up`, `across` its half width.
+  // Adds a card from `root` along `up`; `across` is its half width.
   void card(vec3 root, vec3 up, vec3 across, vec3 normal) {
     vec3 corners[4] = {root - across, root + across, root + across + up, root - across + up};
     vec2 uvs[4] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
@@ -59,7 +59,7 @@ class Crown {
   Mesh mesh_;
 };
 
-// Drawn one to a statement where several make one thing: the order of a call's arguments is the compiler's.
+// Draws random numbers in sequence. Two of them must not be arguments of one call: the compiler chooses their order.
 struct Numbers {
   uint32_t seed, next = 0;
   float in(float low, float high) { return low + (high - low) * hash01(seed, next++, 40); }
@@ -67,14 +67,14 @@ struct Numbers {
     const float y = in(-1, 1), turn = in(0, glm::two_pi<float>()), r = std::sqrt(1 - y * y);
     return {r * elementary::cos(turn), y, r * elementary::sin(turn)};
   }
-  // At a height, off the axis.
+  // Returns a point at height `y`, up to `most` off the axis in x and z.
   vec3 off_axis(float most, float y) {
     const float z = in(-most, most), x = in(-most, most);
     return {x, y, z};
   }
 };
 
-// Cards over an ellipsoid, most of them near its outside.
+// Adds cards in an ellipsoid, most of them near its surface.
 void add_ball(Crown& crown, Numbers& n, vec3 center, vec3 radii, uint32_t cards, float size, vec3 body) {
   for (uint32_t i = 0; i < cards; ++i) {
     const vec3 d = n.direction();
@@ -146,7 +146,7 @@ Mesh grow_bush(uint32_t seed) {
   return crown.take("bush");
 }
 
-// Fronds that rise and bend over; or, of grass, cards that lean.
+// Returns fronds that rise and bend over; for grass, cards that lean.
 Mesh grow_tuft(const std::string& name, uint32_t seed, uint32_t count, float radius, float length, float half_width,
                float bend) {
   Numbers n{seed};

@@ -14,11 +14,11 @@ using glm::vec3;
 
 struct Leaf {
   vec2 base, tip;  // 0..1, y up
-  float width;     // of its length
+  float width;     // as a share of its length
   float shade;     // 0..1
 };
 
-// Later leaves lie over earlier ones.
+// Returns a texel of the leaves, of which later ones cover earlier ones.
 Texel leaves_texel(vec2 uv, const std::vector<Leaf>& leaves, vec3 dark, vec3 light) {
   const vec2 p(uv.x, 1.0f - uv.y);
   Texel t;
@@ -41,7 +41,7 @@ Texel leaves_texel(vec2 uv, const std::vector<Leaf>& leaves, vec3 dark, vec3 lig
   return t;
 }
 
-// Leaves around a twig that goes up the middle of the image.
+// Returns leaves around a twig that goes up the middle of the image.
 std::vector<Leaf> twig(uint32_t count, float length, float width, float spread, uint32_t seed) {
   std::vector<Leaf> leaves{{{0.5f, 0.0f}, {0.5f, 0.8f}, 0.025f, 0.15f}};
   for (uint32_t i = 0; i < count; ++i) {
@@ -61,7 +61,7 @@ uint32_t paint_leaves(ContentBuilder& b, const std::string& name, const std::vec
   return paint_image(b, name, 256, 256, [&](vec2 uv) { return leaves_texel(uv, leaves, dark, light); });
 }
 
-// Blades that rise from the lower edge and lean.
+// Returns blades that rise from the lower edge and lean.
 std::vector<Leaf> blades(uint32_t count, uint32_t seed) {
   std::vector<Leaf> leaves;
   for (uint32_t i = 0; i < count; ++i) {

@@ -5,8 +5,8 @@
 #include "scenes/builtin/builtin_scenes.h"
 #include "scenes/content/shapes.h"
 
-// Frosted panes and bottles before a dark room with bright windows: reflections whose noise shows, with blocks that
-// touch the glass, where a filter that reaches too far shows.
+// Frosted panes and bottles in a dark room with bright windows, whose reflections show noise. Blocks touch the glass,
+// and show where a filter reaches too far.
 namespace sideray::scenes {
 namespace {
 

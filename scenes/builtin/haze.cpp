@@ -12,7 +12,7 @@ namespace {
 
 using glm::vec2, glm::vec3;
 
-// A normal map of a surface whose height changes by slope(uv), across and down the image.
+// Paints the normal map of a surface whose slopes across and down the image are slope(uv).
 uint32_t paint_normals(ContentBuilder& b, const std::string& name, uint32_t size,
                        const std::function<vec2(vec2 uv)>& slope) {
   Texture texture;
@@ -29,7 +29,7 @@ uint32_t paint_normals(ContentBuilder& b, const std::string& name, uint32_t size
   return b.texture(std::move(texture));
 }
 
-// Rising air: wisps that are longer than wide, none at the image's borders.
+// Returns the slope of rising air: wisps that are longer than wide, none at the image's borders.
 vec2 haze_slope(vec2 uv) {
   constexpr float step = 1.0f / 256.0f;
   const auto height = [](vec2 p) {
@@ -41,7 +41,7 @@ vec2 haze_slope(vec2 uv) {
   return vec2(across, down) / (2.0f * step) * 0.12f;
 }
 
-// Rings about two drops, running out with the distance.
+// Returns the slope of rings about two drops, which fade with the distance.
 vec2 ripple_slope(vec2 uv) {
   vec2 sum(0);
   for (const vec2 drop : {vec2(0.35f, 0.4f), vec2(0.7f, 0.65f)}) {
@@ -70,7 +70,7 @@ void add_room(ContentBuilder& b) {
            b.material("table", table));
 }
 
-// The flame stands behind the air that it heats, a post before it: what lies in front is not drawn into the haze.
+// Adds a flame behind the air that it heats, and a post in front of it: the haze must not show what is in front of it.
 void add_candle(ContentBuilder& b, float strength, const sideray_camera& camera) {
   b.object("candle", b.mesh(Shape().cylinder({0, 0, 0}, 0.06f, 0.42f, 32), "candle"),
            b.material("wax", opaque_material({0.86f, 0.82f, 0.70f}, 0.5f)), {-0.95, 0, 0});
@@ -83,7 +83,7 @@ void add_candle(ContentBuilder& b, float strength, const sideray_camera& camera)
                   "flame"),
            b.material("flame", flame), {-0.95, 0.43, 0});
   b.light("flame", point_light({-0.95f, 0.52f, 0.05f}, vec3(0.9f, 0.55f, 0.22f), 4.0f));
-  // Adds nothing and hides nothing: all that is seen of it is where it moves the picture.
+  // The haze adds no light and hides nothing: it is visible only where it distorts the picture.
   sideray_material_desc haze = opaque_material(vec3(0), 1.0f);
   haze.alpha_mode = SIDERAY_BLEND;
   haze.blend_mode = SIDERAY_BLEND_ADDITIVE;
@@ -91,7 +91,7 @@ void add_candle(ContentBuilder& b, float strength, const sideray_camera& camera)
   haze.normal_texture.texture = paint_normals(b, "haze normals", 256, haze_slope);
   haze.normal_texture.wrap_u = haze.normal_texture.wrap_v = SIDERAY_CLAMP;
   haze.distortion = 0.05f * strength;
-  // Faces the viewer as sprites do, so that it moves the picture by its wisps alone.
+  // The haze faces the viewer, as sprites do, so that only its wisps distort the picture.
   glm::dmat4 facing(1.0);
   for (int c = 0; c < 3; ++c)
     for (int r = 0; r < 3; ++r) facing[c][r] = camera.world_from_camera[3 * c + r];

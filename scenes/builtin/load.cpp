@@ -7,7 +7,7 @@
 namespace sideray::scenes {
 namespace {
 
-// `scene` is a name with "?K=V&K=V" behind it. No file's name that can be read ends like that.
+// Generates the scene `scene`, a name followed by "?K=V&K=V". No readable file has such a name.
 Content generate_named(const std::string& scene) {
   const size_t mark = scene.find('?');
   Settings settings;

@@ -11,7 +11,7 @@ namespace {
 uint32_t wrapped(float cell, uint32_t period) {
   const auto p = static_cast<int64_t>(period);
   const auto inside = static_cast<int64_t>(cell);
-  if (inside >= 0 && inside < p) return static_cast<uint32_t>(inside);  // nearly always, and without a division
+  if (inside >= 0 && inside < p) return static_cast<uint32_t>(inside);  // nearly always true, and saves a division
   return static_cast<uint32_t>(((inside % p) + p) % p);
 }
 
@@ -46,8 +46,8 @@ void set_colors(Texture& texture, const std::vector<Texel>& texels) {
   }
 }
 
-// The grid runs x 0..4, y 0..6; a stroke is a chain of points, two digits each.
-// 0 to 9, then A to Z. A stroke is a chain of points, two digits each; a blank lifts the chalk.
+// The glyphs 0 to 9, then A to Z, on a grid of x 0..4, y 0..6. A stroke is a chain of points of two digits each; a
+// blank begins another stroke.
 constexpr std::array<std::string_view, 36> glyphs = {"103041453616050110",
                                                      "152620",
                                                      "05163645440040",
@@ -166,7 +166,7 @@ float Lettering::write(const std::string& text, glm::vec2 at, float height) {
     Letter letter{glm::vec2(INFINITY), glm::vec2(-INFINITY), {}};
     for (size_t i = 0; i + 3 < glyph.size(); i += 2) {
       if (glyph[i + 2] == ' ') {
-        i += 1;  // past the blank: the next pair starts a chain
+        i += 1;  // skips the blank: the next pair starts a stroke
         continue;
       }
       const Stroke stroke{point(i), point(i + 2)};
@@ -183,7 +183,7 @@ float Lettering::write(const std::string& text, glm::vec2 at, float height) {
 float Lettering::distance(glm::vec2 p, float farthest) const {
   float nearest = farthest * farthest;  // squared: the root is taken once
   for (const Letter& letter : letters) {
-    // Nearly all letters are far. The margin is for what rounding makes of both distances.
+    // Skips letters whose bounds are farther than the nearest stroke, nearly all. The margin covers rounding.
     const glm::vec2 outside = glm::max(glm::max(letter.least - p, p - letter.most), glm::vec2(0));
     if (glm::dot(outside, outside) > 1.001f * nearest) continue;
     for (const Stroke& s : letter.strokes) {

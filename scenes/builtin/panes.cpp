@@ -15,7 +15,7 @@ constexpr float fov_deg = 45.0f;
 // Half width and half height of every pane at distance 1: about half of a 16:9 picture.
 constexpr float pane_width = 0.75f * 16.0f / 9.0f * 0.41421356f, pane_height = 0.67f * 0.41421356f;
 
-// Corners of the plane at `distance`, turned by `angle`, that lie in the pane's frustum: the same silhouette for all.
+// Finds the corners, in the pane's frustum, of the plane at `distance` turned by `angle`: all have the same silhouette.
 struct Turned {
   double cosine, sine, half_width;
   explicit Turned(double angle)
@@ -65,7 +65,7 @@ Content make_panes(const Numbers& numbers) {
                                {-reach, reach, wall_z}, glm::vec2(3)),
                   "wall"),
            wall_material);
-  // Behind the camera: what the panes reflect.
+  // The pattern behind the camera is what the panes reflect.
   sideray_material_desc back = opaque_material(glm::vec3(1), 0.8f);
   back.base_color_texture.texture = b.checker("back pattern", {200, 60, 40}, {240, 220, 90}, 6);
   const float back_z = 2.0f * scale, back_reach = 4.0f * scale;

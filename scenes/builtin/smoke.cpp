@@ -18,7 +18,7 @@ using glm::vec3;
 
 constexpr uint32_t cell_side = 64;
 
-// A place on a flip-book: which cell, and where in it, -1..1 from its middle, y up.
+// Holds a place on a flip-book: the cell, and the point in it, -1..1 from its middle, y up.
 struct InCell {
   uint32_t cell;
   vec2 p;
@@ -29,7 +29,7 @@ struct InCell {
   }
 };
 
-// Each picture is a puff of its own; later ones are torn more.
+// Returns a texel of the puffs: each picture shows another puff, later ones torn more.
 Texel smoke_texel(vec2 uv) {
   const InCell at(uv);
   const float age = static_cast<float>(at.cell) / (flip_book_columns * flip_book_rows - 1);
@@ -39,7 +39,7 @@ Texel smoke_texel(vec2 uv) {
   const float r = glm::length(at.p + 0.7f * bend);
   const float billows = fractal_noise(in_cell, 4, 4, 800 + at.cell);
   const float torn = glm::smoothstep(0.25f * age, 0.25f * age + 0.5f, billows);
-  // Nothing reaches the border of the cell.
+  // Smoke fades out before the border of the cell.
   const float rim = 1.0f - glm::smoothstep(0.80f, 0.98f, glm::length(at.p));
   Texel t;
   t.alpha = rim * (1.0f - glm::smoothstep(0.15f, 0.9f, r)) * glm::mix(1.0f, torn, 0.4f + 0.5f * age);
@@ -47,7 +47,8 @@ Texel smoke_texel(vec2 uv) {
   return t;
 }
 
-// A drop that narrows upward and sways; two waves of whole turns a loop make its end meet its start.
+// Returns a texel of the flame, a drop that narrows upward and sways. Its two waves have whole periods in a loop, so
+// that the end continues at the start.
 Texel flame_texel(vec2 uv) {
   const InCell at(uv);
   const float turn = glm::two_pi<float>() * static_cast<float>(at.cell) / (flip_book_columns * flip_book_rows);
@@ -87,7 +88,7 @@ uint32_t paint_flame(ContentBuilder& b) {
   return paint_image(b, "flame", flip_book_columns * cell_side, flip_book_rows * cell_side, flame_texel);
 }
 
-// A column of smoke with glass before, within and behind it.
+// Makes a column of smoke with glass in front of it, in it and behind it.
 Content make_smoke(const Numbers& numbers) {
   const int count = numbers.whole_in_range("count", 1, 50000);
   ContentBuilder b("smoke");

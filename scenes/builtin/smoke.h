@@ -1,4 +1,4 @@
-// Flip-books of smoke and flames, painted by code, for the built-in scenes with particles. Any thread.
+// Paints flip-books of smoke and flames by code, for the built-in scenes with particles. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,8 @@
 
 namespace sideray::scenes {
 
-// Both return the index + 1 of the texture. Grey puffs that fray, 4 x 4 of them; a flame that flickers, 4 x 4 pictures
-// in a loop, bright on black.
+// Both return the index + 1 of the texture: 4 x 4 grey puffs that fray, and 4 x 4 pictures in a loop of a flickering
+// flame, bright on black.
 uint32_t paint_smoke(ContentBuilder& b);
 uint32_t paint_flame(ContentBuilder& b);
 inline constexpr uint32_t flip_book_columns = 4, flip_book_rows = 4;

@@ -8,7 +8,7 @@
 namespace sideray::scenes {
 namespace {
 
-// Every solid of the scene is made of this.
+// The glass of every solid in the scene.
 struct Glass {
   float ior, roughness, dispersion, film;
   sideray_material_desc solid(glm::vec3 tint, float distance, float thickness) const {
@@ -23,7 +23,7 @@ struct Glass {
   }
 };
 
-// Two caps of spheres of `radius` that meet in a circle about +Y.
+// Returns a lens: two caps of spheres of `radius` that meet in a circle about +Y.
 Shape lens(float radius, float aperture, uint32_t segments) {
   constexpr int rings = 24;
   const float edge = elementary::asin(aperture / radius), middle = radius * elementary::cos(edge);
@@ -45,7 +45,7 @@ struct Tumbler {
     return Shape().lathe(glm::vec3(0),
                          {{0, 0}, {radius, 0}, {radius, height}, {inner, height}, {inner, base}, {0, base}}, segments);
   }
-  // Reaches `overlap` into wall and bottom.
+  // Returns the liquid, which reaches `overlap` into wall and bottom.
   Shape liquid(float fill, float overlap, uint32_t segments) const {
     const float r = radius - wall + overlap, low = base - overlap, top = base + fill * (height - base);
     return Shape().lathe(glm::vec3(0), {{0, low}, {r, low}, {r, top}, {0, top}}, segments);

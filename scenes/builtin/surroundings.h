@@ -1,4 +1,4 @@
-// What lights a scene from everywhere, by the names of --env. Any thread.
+// Handles environments by the names of --env. Any thread.
 #pragma once
 
 #include <sideray/sideray.hpp>
@@ -11,9 +11,9 @@ struct Surroundings {
   float scale = 1, rotation_deg = 0;  // as sideray_scene_set_environment() has them
 };
 
-// Throws Error, which names the file, where a picture is none of surroundings.
+// Throws Error, which names the file, where a picture is not an environment.
 void check_surroundings(const Surroundings& surroundings);
-// Lets them light the scene, from its next commit on. Throws the same.
+// Sets the environment of the scene from its next commit on. Throws the same Error.
 void set_surroundings(Scene& scene, const Surroundings& surroundings);
 
 }  // namespace sideray::scenes

@@ -1,5 +1,5 @@
-// Values that animations change besides the places of nodes (KHR_animation_pointer): of materials, lights and cameras.
-// Made by the loader, read only afterwards. Any thread.
+// Holds animated values of materials, lights and cameras (KHR_animation_pointer). The loader makes them; afterwards
+// they are only read. Any thread.
 #pragma once
 
 #include <array>
@@ -19,10 +19,11 @@ struct TextureTransform {
   glm::dvec2 offset{0.0}, scale{1.0};
   double rotation = 0;  // radians
 };
-// As sideray_texture_slot has it: scale, then turn counter-clockwise as seen (v points down), then move.
+// Returns the transform as in sideray_texture_slot: scale, then rotate counter-clockwise as seen (v points down), then
+// move.
 std::array<double, 6> texture_from_uv(const TextureTransform& transform);
 
-// What a thing has at rest, and the channels that change it.
+// Holds values at rest, and the channels that change them.
 template <typename Values>
 struct Animated {
   struct Change {
@@ -40,15 +41,15 @@ struct Animated {
 };
 
 struct MaterialValues {
-  sideray_material_desc desc;  // with emission and texture_from_uv that the following values are made into
+  sideray_material_desc desc;  // its emission and texture_from_uv are computed from the following values
   glm::vec3 emissive_factor{0.0f};
   float emissive_strength = 1;
-  std::array<TextureTransform, material_slots.size()> transforms;  // of the slots that changes_transform names
+  std::array<TextureTransform, material_slots.size()> transforms;  // of slots that changes_transform marks
   std::array<bool, material_slots.size()> changes_transform{};
 };
 
 struct AnimatedMaterial : Animated<MaterialValues> {
-  // Of Content::materials: itself, and copies whose thickness is scaled.
+  // Refers to an entry of Content::materials: the material itself, or a copy of scaled thickness.
   struct Shown {
     uint32_t material = 0;
     float thickness_scale = 1;
@@ -60,19 +61,19 @@ struct LightValues {
   glm::dvec3 color{1.0};
   double intensity = 1, range = 0, inner_cone = 0, outer_cone = 0;
 };
-// A spot whose cones do not differ has a hard edge.
+// Returns the inner angle of a spot light, made slightly smaller than `outer` where it is not: a hard edge.
 float inner_cone_of(double inner, float outer);
 
 struct AnimatedLight : Animated<LightValues> {
   uint32_t light = 0;  // of Content::lights
-  uint32_t node = 0;   // of the rig: where it is hidden, the light is out
+  uint32_t node = 0;   // of the rig; while it is hidden, the light is off
 };
 
 struct AnimatedCamera : Animated<sideray_camera> {
-  uint32_t camera = 0;  // of Content::cameras; its place is the rig's
+  uint32_t camera = 0;  // of Content::cameras; the rig places it
 };
 
-// Puts the values at a time into the content.
+// Writes the values at a time into the content.
 void set_values(const AnimatedMaterial& animated, double time_s, Content& content);
 void set_values(const AnimatedLight& animated, double time_s, bool is_hidden, Content& content);
 void set_values(const AnimatedCamera& animated, double time_s, Content& content);

@@ -14,8 +14,8 @@ glm::dquat quaternion(const glm::dvec4& v) {
   return {v.w, v.x, v.y, v.z};
 }
 
-// By a power of 2, which changes no bit of its direction, so that its largest coordinate is near 1: the square of 1e300
-// is infinite, and that of 1e-300 is 0.
+// Scales a vector by a power of 2, which keeps its direction exactly, so that its largest coordinate is near 1: squares
+// of 1e300 are infinite, and those of 1e-300 are 0.
 glm::dvec3 near_one(const glm::dvec3& v) {
   const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
   if (!(largest > 0) || !std::isfinite(largest)) return v;
@@ -29,7 +29,7 @@ bool is_usable(const glm::dmat4& m) {
   return true;
 }
 
-// What is bent; `positions`, `normals` and `tangents` lie elsewhere than the mesh's.
+// The attributes before skinning; they must not be those of the skinned mesh itself.
 struct Unbent {
   std::span<const float> positions, normals, tangents;
 };
@@ -41,12 +41,12 @@ struct Vertices {
   void bend(size_t vertex, const glm::dmat4& m) {
     const float* p = &source.positions[3 * vertex];
     const glm::dvec3 bent(m * glm::dvec4(p[0], p[1], p[2], 1.0));
-    // A vertex that would lie nowhere stays where it was.
+    // A vertex whose new position is not finite or too far keeps its last one.
     if (glm::all(glm::lessThanEqual(glm::abs(bent), glm::dvec3(limits::coordinate))))
       store(&mesh.positions[3 * vertex], bent);
     const glm::dvec3 x(m[0]), y(m[1]), z(m[2]);
     if (!source.normals.empty()) {
-      // The inverse transpose but for a positive factor; defined where the matrix has no inverse.
+      // The inverse transpose times a positive factor, which also exists for singular matrices.
       const float side = glm::dot(glm::cross(x, y), z) < 0.0 ? -1.0f : 1.0f;
       const float* n = &source.normals[3 * vertex];
       store_unit(&mesh.normals[3 * vertex], double{side * n[0]} * glm::cross(y, z) +
@@ -62,7 +62,7 @@ struct Vertices {
   static void store(float* to, const glm::dvec3& v) {
     for (int c = 0; c < 3; ++c) to[c] = static_cast<float>(v[c]);
   }
-  // A normal that has no direction any more keeps its last one.
+  // Stores the normalized vector. A vector of length 0 leaves the stored one.
   static void store_unit(float* to, const glm::dvec3& v) {
     const double length = glm::length(v);
     if (length > 1e-30 && std::isfinite(length)) store(to, v / length);
@@ -86,7 +86,7 @@ void bend(const SkinnedMesh& skinned, const Unbent& source, const Skin& skin, co
   }
 }
 
-// Blends what no skin bends, and what one does before that.
+// Blends morph targets, then applies skins.
 void deform(Content& content, const Rig& rig, const std::vector<glm::dmat4>& world, double time_s) {
   std::vector<Mesh> blended(rig.morphed.size());
   for (size_t i = 0; i < rig.morphed.size(); ++i) {
@@ -112,7 +112,7 @@ void deform(Content& content, const Rig& rig, const std::vector<glm::dmat4>& wor
   }
 }
 
-// What is shown as nothing needs an inverse all the same, for what traces and shades it.
+// Returns a placement that makes an object too small to see. It has an inverse, which tracing and shading need.
 glm::dmat4 invisible_at(const glm::dvec4& place) {
   constexpr double invisible = 1e-9;
   return {glm::dvec4(invisible, 0, 0, 0), glm::dvec4(0, invisible, 0, 0), glm::dvec4(0, 0, invisible, 0), place};
@@ -135,7 +135,7 @@ glm::dmat4 without_scale(const glm::dmat4& m) {
   const glm::dvec3 y = near_one(m[1]), z = near_one(m[2]);
   const glm::dvec3 back = glm::normalize(z), right = glm::normalize(glm::cross(y, z)), up = glm::cross(back, right);
   const glm::dmat4 result(glm::dvec4(right, 0), glm::dvec4(up, 0), glm::dvec4(back, 0), m[3]);
-  // Already rigid: kept to the last bit, so that writing and reading changes nothing.
+  // A matrix that was already rigid keeps all its bits, so that writing and reading changes nothing.
   bool same = true;
   for (int i = 0; i < 12; ++i) same = same && std::abs(result[i / 4][i % 4] - m[i / 4][i % 4]) < 1e-14;
   return same ? m : result;
@@ -184,7 +184,7 @@ std::vector<double> Rig::weights(const MorphedMesh& mesh, double time_s) const {
   std::vector<double> weights = mesh.weights;
   for (const Channel& channel : channels)
     if (channel.property == Property::weights && channel.node == mesh.node) weights = sample_weights(channel, time_s);
-  // Splines may swing far out; products with what targets add stay in the range of floats.
+  // Splines may overshoot far. The clamp keeps products with targets in the range of floats.
   for (double& weight : weights) weight = std::clamp(weight, -1e6, 1e6);
   return weights;
 }
@@ -205,7 +205,7 @@ void pose(Content& content, double time_s) {
   const Rig& rig = *content.rig;
   const std::vector<glm::dmat4> world = rig.world_from_nodes(time_s);
   const std::vector<bool> hidden = rig.hidden_nodes(time_s);
-  // An object that would be placed nowhere stays where it was.
+  // An object whose new placement is not finite keeps its last one.
   for (const Attached& a : rig.objects) {
     const glm::dmat4 m = a.is_in_world ? glm::dmat4(1.0) : world[a.node] * a.node_from_it;
     if (is_usable(m)) set_transform(content.objects[a.index], hidden[a.node] ? invisible_at(m[3]) : drawable(m));

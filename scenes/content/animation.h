@@ -1,5 +1,5 @@
-// How a scene moves: its nodes, the channels that animate them, and what hangs on them. Made by the loader, read only
-// afterwards. Any thread.
+// Describes how a scene moves: its nodes, the channels that animate them, and the objects attached to them. The loader
+// makes it; afterwards it is only read. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -20,18 +20,18 @@ struct Placement {
 };
 glm::dmat4 matrix_of(const Placement& placement);
 
-// Rotation and place of a node without its scale: glTF lets neither cameras nor lights be scaled. Not finite where
-// there is no rotation in it.
+// Returns the matrix without its scale, since glTF scales neither cameras nor lights. The result is not finite where no
+// rotation can be found.
 glm::dmat4 without_scale(const glm::dmat4& world_from_node);
 
 struct RigNode {
-  int parent = -1;  // stands before it in the list
+  int parent = -1;  // earlier in the list
   bool is_animated = false, moves = false;
   bool is_morphing = false;  // a channel changes its weights
   bool is_hidden = false;    // at rest, with all below it (KHR_node_visibility)
   bool blinks = false;       // a channel hides it, or a node above it
-  glm::dmat4 parent_from_node{1.0};  // where it is not animated
-  Placement rest;                    // what channels leave alone
+  glm::dmat4 parent_from_node{1.0};  // if the node is not animated
+  Placement rest;                    // values that no channel changes
 };
 
 struct Skin {
@@ -42,18 +42,18 @@ struct Skin {
 // A mesh that belongs to one object alone and is skinned into world space.
 struct SkinnedMesh {
   uint32_t mesh = 0, skin = 0;
-  int morphed = -1;                                 // of Rig::morphed: what is blended before it is bent
-  std::vector<float> positions, normals, tangents;  // unbent
-  uint32_t influences = 0;                          // a vertex
+  int morphed = -1;                                 // index into Rig::morphed, whose blended mesh is skinned; -1 = none
+  std::vector<float> positions, normals, tangents;  // before skinning
+  uint32_t influences = 0;                          // joints of each vertex
   std::vector<uint16_t> joints;                     // into Skin::joints
   std::vector<float> weights;                       // of each vertex: >= 0, sum 1
 };
 
-// Content::objects, cameras or lights [index] hangs on a node.
+// Attaches Content::objects, cameras or lights [index] to a node.
 struct Attached {
   uint32_t index = 0, node = 0;
   glm::dmat4 node_from_it{1.0};
-  bool is_in_world = false;  // skinned: it stands in the world, whatever its node does
+  bool is_in_world = false;  // skinned into world space: its node's transform does not apply
 };
 
 class Rig {
@@ -76,7 +76,7 @@ class Rig {
 
 void place_light(sideray_light& light, const glm::dmat4& world_from_light);
 void set_transform(Object& object, const glm::dmat4& world_from_object);
-// Whether anything placed so can be drawn and traced.
+// Returns whether an object with this placement can be drawn and traced.
 bool can_be_inverted(const glm::dmat4& m);
 
 }  // namespace sideray::scenes

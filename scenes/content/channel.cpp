@@ -9,7 +9,7 @@
 namespace sideray::scenes {
 namespace {
 
-// Up to four numbers of an element, from `first` on.
+// Returns up to four numbers of an element, from `first` on.
 glm::dvec4 value_at(const Channel& channel, size_t element, size_t first) {
   const size_t components = components_of(channel);
   glm::dvec4 value(0.0);
@@ -18,7 +18,7 @@ glm::dvec4 value_at(const Channel& channel, size_t element, size_t first) {
   return value;
 }
 
-// glTF 2.0, appendix C.5: a Hermite spline whose tangents are per second.
+// Evaluates a Hermite spline whose tangents are per second (glTF 2.0, appendix C.5).
 glm::dvec4 cubic(const Channel& channel, size_t key, double t, double duration, size_t first) {
   const glm::dvec4 v0 = value_at(channel, 3 * key + 1, first), v1 = value_at(channel, 3 * key + 4, first);
   const glm::dvec4 out0 = value_at(channel, 3 * key + 2, first), in1 = value_at(channel, 3 * key + 3, first);

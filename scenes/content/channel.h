@@ -1,4 +1,4 @@
-// A value over time: keys, and what lies between them. Made by the loader, read only afterwards. Any thread.
+// Holds a value over time as keys, and interpolates them. The loader makes it; afterwards it is only read. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -10,24 +10,24 @@ namespace sideray::scenes {
 enum class Interpolation { step, linear, cubic };
 enum class Property { translation, rotation, scale, weights, visible, value };
 
-// One property of one node over time, or a value of something else. Values are 3 numbers a key, rotations 4 (x, y, z,
-// w), weights one for each target; cubic keys are (in-tangent, value, out-tangent), as glTF stores them.
+// Animates a property of a node, or a value of a material, light or camera. A key has 3 numbers; that of a rotation has
+// 4 (x, y, z, w), that of weights one for each target. Cubic keys are (in-tangent, value, out-tangent), as in glTF.
 struct Channel {
-  uint32_t node = 0;  // not of values
+  uint32_t node = 0;  // unused for values
   Property property = Property::translation;
-  uint32_t targets = 0;  // of weights; of values, the numbers of one
+  uint32_t targets = 0;  // of weights: their number; of values: numbers in each
   Interpolation interpolation = Interpolation::linear;
-  double period_s = 0;        // the length of its animation, after which it starts again
-  std::vector<float> times;   // seconds, not falling; at least one
+  double period_s = 0;        // length of its animation, which repeats
+  std::vector<float> times;   // seconds, ascending or equal; at least one
   std::vector<float> values;  // finite
 };
 
-// The number of numbers that a key has.
+// Returns how many numbers a key has.
 size_t components_of(const Channel& channel);
 
-// The value at a time; before the first key and behind the last one it stands still. Rotations have unit length.
+// Returns the value at a time, which is constant before the first and after the last key. Rotations have unit length.
 glm::dvec4 sample(const Channel& channel, double time_s);
-// The same of weights.
+// Returns the same for weights.
 std::vector<double> sample_weights(const Channel& channel, double time_s);
 
 }  // namespace sideray::scenes

@@ -1,4 +1,4 @@
-// A scene as read from a file or generated: what `info` prints and what fills a sideray::Scene. Any thread.
+// Holds a scene as read from a file or generated: `info` prints it, and it fills a sideray::Scene. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace sideray::scenes {
 struct Camera {
   std::string name;
   sideray_camera camera;
-  float aspect = 0;  // width / height as the file says; 0 = it does not. Only for a warning: the picture's size decides
+  float aspect = 0;  // width / height in the file, 0 = none; only for a warning, since pictures have their own size
 };
 
 struct Light {
@@ -46,12 +46,12 @@ struct Mesh {
   sideray_topology topology = SIDERAY_TRIANGLES;
 };
 
-// One drawn primitive. The surface id given to the scene is its index in Content::objects + 1.
+// Holds one drawn primitive. Its surface id in the scene is its index in Content::objects + 1.
 struct Object {
   std::string name;                 // the node's name, for --ray-traced patterns
   uint32_t mesh = 0, material = 0;  // indices into Content
   double world_from_object[12] = {};
-  uint32_t wind = 0;     // index + 1 into Content::winds, 0 = it stands still
+  uint32_t wind = 0;     // index + 1 into Content::winds, 0 = no wind
   float wind_phase = 0;  // 0..1
 };
 
@@ -64,7 +64,7 @@ class Rig;  // animation.h
 
 struct Content {
   std::string name;
-  uint64_t hash = 0;  // of every byte of the files read for it; 0 = none was
+  uint64_t hash = 0;  // of all bytes of the files read for it; 0 = no file
   std::vector<Mesh> meshes;
   std::vector<Texture> textures;
   std::vector<Material> materials;
@@ -72,15 +72,15 @@ struct Content {
   std::vector<Light> lights;
   std::vector<Camera> cameras;
   std::vector<sideray_wind_desc> winds;  // extras.sideray.wind of nodes
-  std::vector<Emitter> emitters;         // where load() had them; pose() leaves them there
+  std::vector<Emitter> emitters;         // where load() placed them; pose() does not move them
   std::vector<Animation> animations;
   std::vector<std::string> variants;  // of materials (KHR_materials_variants)
   std::vector<std::string> extensions, defaulted;
   Warnings warnings;
-  std::shared_ptr<const Rig> rig;  // what moves it; null where nothing does
+  std::shared_ptr<const Rig> rig;  // moves the content; null where nothing moves
 };
 
-// The scene is of no kind that is known; the message names what there is.
+// Thrown for a scene of an unknown kind; the message names the known ones.
 struct UnknownScene : Error {
   using Error::Error;
 };
@@ -89,60 +89,61 @@ struct LoadOptions {
   std::string animation;  // "" = the first one, "all" = all of them; they loop
   std::string variant{};  // of materials; "" = those that the primitives themselves name
   double time_s = 0;
-  bool default_light = true;  // a sun where a file has no light
+  bool default_light = true;  // adds a sun if a file has no light
   ReadLimits limits{};
 };
 
-// The animation asked for is not there; the message names those that are.
+// Thrown where there is no such animation; the message names the existing ones.
 struct UnknownAnimation : Error {
   using Error::Error;
 };
 
-// The same of a variant.
+// Thrown where there is no such variant, likewise.
 struct UnknownVariant : Error {
   using Error::Error;
 };
 
-// Whether it is the path of a .gltf or .glb file, or of a folder; there need not be one.
+// Returns whether the name could be the path of a .gltf or .glb file or of a folder, which need not exist.
 bool may_be_file(const std::string& scene);
 // Reads a .gltf or .glb file; builtin.h loads built-in scenes too. Throws Error with one clear line.
 Content load_file(const std::string& path, const LoadOptions& options = {});
 
-// Throws UnknownAnimation where the content has no animation by that name; "" and "all" are always there.
+// Throws UnknownAnimation where the content has no animation of that name; "" and "all" are always valid.
 void check_animation(const Content& content, const std::string& name);
-// Throws UnknownVariant where the content has no variant by that name; "" is always there.
+// Throws UnknownVariant where the content has no variant of that name; "" is always valid.
 void check_variant(const Content& content, const std::string& name);
 
-// Moves objects, skinned meshes, lights and cameras to where the animations have them at that time, and particles to
-// where they are by then. Of all but particles, what is drawn of the content stays as many.
+// Moves objects, skinned meshes, lights, cameras and particles to their places at that time. Only the number of
+// particles may change.
 void pose(Content& content, double time_s);
 
-// Binary glTF 2.0 that load reads back as equal content, written whole or not at all. Throws Error.
+// Writes binary glTF 2.0, whole or not at all, which load() reads back as equal content. Throws Error.
 void write_glb(const std::string& path, const Content& content);
 
-// What `info` prints: the JSON of cli.md with counts and the names of translucent objects, and the same for people.
+// Return what `info` prints: the JSON of cli.md with counts and the names of translucent objects, and a text of the
+// same.
 std::string info_json(const Content& content);
 std::string info_text(const Content& content);
 
 // Copies the content into `scene` and commits. `traced[i]` says whether objects[i] gets SIDERAY_VISIBLE_LAYERS.
 void fill(Scene& scene, const Content& content, const std::vector<bool>& traced);
 
-// Whether anything of it is another at another time.
+// Returns whether anything in the content changes over time.
 bool moves(const Content& content);
-// Moves what pose() has moved, and commits where that was anything. `scene` holds what fill() gave it, and nothing
-// else. Wind is where Scene::set_time() said.
+// Applies the changes of pose() to `scene`, and commits if there were any. `scene` must hold what fill() gave it, and
+// nothing else. Wind follows Scene::set_time() instead.
 void move(Scene& scene, const Content& content);
 
-// Changes what fill() said, and commits. `scene` holds what fill() gave it, and nothing else.
+// Changes the `traced` of fill(), and commits. `scene` must hold what fill() gave it, and nothing else.
 void set_traced(Scene& scene, const Content& content, const std::vector<bool>& traced);
 
-// `selection`: "auto" (marks, else smooth translucency: roughness < 0.5), "all" (all but multiply), "none",
-// "largest:K", or comma-separated glob patterns on node names. Throws Error on an unknown form or a pattern that
-// matches nothing.
+// Returns which objects are selected by `selection`: "auto" (as marked in the file, else transmission, and blending of
+// roughness < 0.5), "all" (all but multiply), "none", "largest:K", or comma-separated glob patterns on node names.
+// Throws Error on an unknown form or a pattern that matches nothing.
 std::vector<bool> select_ray_traced(const Content& content, const std::string& selection, const sideray_camera& camera,
                                     uint32_t width, uint32_t height);
 
-// The camera that frames the default scene (cli.md, Camera).
+// Returns the camera that frames the default scene (cli.md, Camera).
 sideray_camera framing_camera(const Content& content, float aspect);
 sideray_camera look_at(const double eye[3], const double target[3], float fov_deg);
 

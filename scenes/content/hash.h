@@ -1,4 +1,4 @@
-// Random numbers that are functions of their arguments. Any thread.
+// Makes random numbers that are functions of their arguments. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ inline uint32_t mixed_bits(uint32_t v) {
   return (v >> 22) ^ v;
 }
 
-// A fixed random number in [0, 1) of its arguments: the same everywhere. Inline, since textures are painted with it.
+// Returns a random number in [0, 1) that depends on its arguments alone. Inline, since it paints textures.
 inline float hash01(uint32_t a, uint32_t b = 0, uint32_t c = 0) {
   return static_cast<float>(mixed_bits(a + mixed_bits(b + mixed_bits(c))) >> 8) * 0x1p-24f;
 }

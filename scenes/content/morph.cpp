@@ -43,7 +43,8 @@ void blend_positions(const Mesh& base, const MorphTargets& targets, std::span<co
   }
 }
 
-// Of 3 numbers a vertex, or of 4 whose last stays. A direction that is blended to nothing stays the base's.
+// Blends directions of 3 numbers a vertex, or of 4, whose last number stays. Where the sum is 0 the base's direction
+// stays.
 void blend_directions(const std::vector<float>& base, const MorphTargets& targets, std::span<const double> weights,
                       Attribute attribute, size_t stride, std::vector<float>& to) {
   to = base;

@@ -13,7 +13,7 @@
 namespace sideray::scenes {
 namespace {
 
-// Says what each random number of a particle is for.
+// Names the uses of a particle's random numbers.
 enum Purpose : uint32_t {
   for_birth,
   for_lifetime,
@@ -27,7 +27,7 @@ enum Purpose : uint32_t {
   purposes
 };
 
-// One of the particles that a slot holds after each other: generation after generation.
+// Identifies one of the particles that follow each other in a slot, by its generation.
 struct Life {
   uint32_t seed, slot, generation;
   double age, length;
@@ -38,7 +38,7 @@ struct Life {
   double share() const { return age / length; }
 };
 
-// Linear between evenly spaced keys.
+// Interpolates linearly between evenly spaced keys.
 template <typename T>
 T over_life(const std::vector<T>& keys, double share) {
   const double at = share * static_cast<double>(keys.size() - 1);
@@ -47,7 +47,7 @@ T over_life(const std::vector<T>& keys, double share) {
   return keys[first] + (keys[second] - keys[first]) * (at - static_cast<double>(first));
 }
 
-// Even over the ball of that radius.
+// Returns a point of a ball, uniformly distributed.
 glm::dvec3 in_ball(const Life& life, uint32_t purpose, double radius) {
   const double z = 2 * life.random(purpose) - 1, turn = glm::two_pi<double>() * life.random(purpose + 1);
   const double flat = std::sqrt(std::max(0.0, 1 - z * z));
@@ -80,7 +80,7 @@ Motion birth(const Particles& p, const Life& life) {
   return m;
 }
 
-// How far a unit of velocity and a unit of acceleration have carried a particle whose velocity decays: the solution of
+// Holds the distances that a unit of velocity and a unit of acceleration move a particle with drag: the solution of
 // x'' = a - k x'.
 struct Carried {
   double by_velocity, by_acceleration;
@@ -88,13 +88,13 @@ struct Carried {
 
 Carried carried(double age, double drag) {
   const double lost = drag * age;
-  // Below, the differences cancel; two terms of the series leave less than 1e-9 out.
+  // For small values the differences below cancel; two terms of the series are exact to 1e-9.
   if (lost < 1e-4) return {age * (1 - lost / 2), age * age / 2 * (1 - lost / 3)};
   const double by_velocity = -elementary::expm1(-lost) / drag;
   return {by_velocity, (age - by_velocity) / drag};
 }
 
-// Two waves along each axis with phases of the particle's own, growing from nothing.
+// Returns the sum of two waves along each axis, which have the particle's own phases and grow from 0.
 glm::dvec3 turbulence(const Particles& p, const Life& life) {
   if (p.turbulence <= 0) return glm::dvec3(0);
   glm::dvec3 offset(0);
@@ -115,7 +115,7 @@ float cell_of(const Particles& p, const Life& life) {
   return static_cast<float>(std::fmod(start + std::floor(passed), cells));
 }
 
-// Where and how big the node is.
+// Holds the placement and the size of the node.
 struct Place {
   glm::dmat3 linear;
   glm::dvec3 origin;
@@ -145,7 +145,7 @@ sideray_sprite sprite_of(const Particles& p, const Life& life, const Place& plac
   return s;
 }
 
-// A sprite may have shrunk to nothing, grown with its node beyond what a scene holds, or flown there.
+// Returns whether a scene can hold the sprite, which may have shrunk to nothing, or grown or moved too far.
 bool can_be_shown(const sideray_sprite& s) {
   constexpr float largest_side = 1e9f;
   const bool is_near = std::all_of(std::begin(s.position), std::end(s.position),
@@ -161,7 +161,7 @@ std::vector<sideray_sprite> sprites_at(const Particles& p, const double world_fr
   const double period = p.lifetime.high;
   std::vector<sideray_sprite> sprites;
   for (uint32_t slot = 0; slot < p.count; ++slot) {
-    // Births are spread evenly over the period, each by lot within its share of it.
+    // Births are spread evenly over the period, each at a random time within its share.
     const double phase = (slot + static_cast<double>(hash01(slot, for_birth, p.seed))) / p.count;
     const double generation = std::floor(time_s / period - phase);
     if (!p.loop && generation != 0) continue;

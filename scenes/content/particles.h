@@ -1,5 +1,5 @@
-// Particle systems as nodes describe them (extras.sideray.particles; docs/gltf.md has the keys): checked descriptions,
-// and the sprites that they are at a time. Any thread.
+// Checks the particle systems that nodes describe (extras.sideray.particles; docs/gltf.md has the keys), and computes
+// their sprites at a time. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -18,13 +18,13 @@ struct Range {
   double low = 0, high = 0;
 };
 
-// Lengths in metres of the node's space, seconds, degrees. Values over life are evenly spaced keys.
+// Describes a system, in metres of the node's space, seconds and degrees. Values over life are evenly spaced keys.
 struct Particles {
   uint32_t count = 1;  // births in the longest lifetime
   Range lifetime{1, 1};
   enum class Start { point, box, sphere, cone } start = Start::point;
   glm::dvec3 box{0};                // sides
-  double radius = 0, cone_deg = 0;  // cone: births on a disc about +Y, leaning outward by the angle at its rim
+  double radius = 0, cone_deg = 0;  // cone: births on a disc about +Y, directions lean outward, by the angle at its rim
   glm::dvec3 velocity{0};
   double spread = 0;           // m/s, in every direction
   glm::dvec3 acceleration{0};  // world axes
@@ -34,7 +34,7 @@ struct Particles {
   std::vector<glm::dvec3> color{glm::dvec3(1)};
   double size_variation = 0, aspect = 1;  // height : width
   Range rotation_deg, spin_deg;
-  double frames_per_second = 0;  // 0: once through the flip-book in a life
+  double frames_per_second = 0;  // 0: the flip-book plays once in a life
   bool random_frame = false;
   uint32_t seed = 1;
   bool loop = true, prewarm = true;
@@ -42,28 +42,30 @@ struct Particles {
   sideray_particles_desc desc{};  // without its texture
 };
 
-// A node with a system.
+// Describes a node with a particle system.
 struct Emitter {
   std::string node;
   double world_from_node[12] = {};
-  std::string json;  // particles {...}, as it was read
+  std::string json;  // the object as it was read
   Particles particles;
   uint32_t texture = 0;                 // index + 1 into Content::textures; 0 = none
-  std::vector<sideray_sprite> sprites;  // as the last simulate() left them
+  std::vector<sideray_sprite> sprites;  // set by simulate()
 };
 
-// Throws Error that names file, node and key where a value is wrong; keys that it does not know become warnings.
+// Parses a description. Throws Error, which names file, node and key, where a value is wrong; unknown keys cause
+// warnings.
 Particles parse_particles(const std::string& file, const std::string& node, const std::string& json,
                           Warnings& warnings);
 
-// The system's sprites at a time. In closed form: a particle's state is a function of (seed, its number, the time), so
-// that the times may come in any order.
+// Returns the system's sprites at a time. A particle's state is a function of (seed, its number, the time), so that
+// times may be in any order.
 std::vector<sideray_sprite> sprites_at(const Particles& particles, const double world_from_node[12], double time_s);
 
 // Sets the sprites of all emitters.
 void simulate(Content& content, double time_s);
 
-// fill() adds system i + 1 for content.emitters[i]; this replaces its sprites by the emitters'.
+// Replaces the sprites of the systems in `scene` by those of the emitters. fill() added system i + 1 for
+// content.emitters[i].
 void set_sprites(Scene& scene, const Content& content);
 
 }  // namespace sideray::scenes

@@ -21,7 +21,7 @@ struct Limits {
   double low, high;
 };
 
-// Takes the keys of one object; what is left at the end is unknown.
+// Reads the keys of one object. Keys that remain at the end are unknown.
 class Reader {
  public:
   Reader(std::string file, std::string node, const Json& object)
@@ -59,7 +59,7 @@ class Reader {
     if (value && !value->is_boolean()) refuse_key(key, "true or false");
     return value ? value->get<bool>() : fallback;
   }
-  // A number, or the ends of a range.
+  // Reads a number, or the ends of a range.
   Range range(const std::string& key, Limits limits, Range fallback) {
     const Json* value = take(key);
     if (!value) return fallback;
@@ -74,7 +74,7 @@ class Reader {
     if (!is_list(*value, 3, 3, limits)) refuse_key(key, "three numbers from {} to {}", limits.low, limits.high);
     return vector_of(*value);
   }
-  // A number, or several that follow each other over life.
+  // Reads a number, or several numbers over life.
   std::vector<double> curve(const std::string& key, Limits limits, double fallback) {
     const Json* value = take(key);
     if (!value) return {fallback};

@@ -66,7 +66,7 @@ sideray_camera look_at(const double eye[3], const double target[3], float fov_de
   const glm::dvec3 from(eye[0], eye[1], eye[2]), to(target[0], target[1], target[2]);
   const double distance = glm::distance(from, to);
   const glm::dvec3 back = distance > 0.0 ? (from - to) / distance : glm::dvec3(0, 0, 1);
-  // Straight up or down: north is -Z, as on a map.
+  // If the view is straight up or down, north is -Z, as on a map.
   const glm::dvec3 above = std::abs(back.y) > 0.999999 ? glm::dvec3(0, 0, back.y > 0 ? -1 : 1) : glm::dvec3(0, 1, 0);
   const glm::dvec3 right = glm::normalize(glm::cross(above, back)), up = glm::cross(back, right);
   sideray_camera camera{};

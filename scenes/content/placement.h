@@ -1,4 +1,4 @@
-// Where the objects of a Content lie in the world. Any thread.
+// Finds the world bounds of the objects of a Content. Any thread.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -12,7 +12,7 @@ struct Bounds {
   bool empty() const { return minimum.x > maximum.x; }
 };
 
-// Bounds of the vertices that triangles use.
+// Both return the bounds of the vertices that triangles use.
 Bounds bounds_of(const Content& content, const Object& object);
 Bounds bounds_of(const Content& content);
 

@@ -1,4 +1,4 @@
-// Rotates, with the same bits on every processor, which glm::rotate and glm::slerp do not: they call libm. Any thread.
+// Rotates with the same bits on every processor. glm::rotate and glm::slerp do not: they call libm. Any thread.
 #pragma once
 
 #include <cmath>
@@ -8,8 +8,8 @@
 
 namespace sideray::scenes {
 
-// Returns the matrix by which `m` acts on what was turned by the angle, in radians, counter-clockwise about the axis of any
-// length but 0.
+// Returns `m` times the rotation by the angle, in radians, counter-clockwise about the axis, which has any length but
+// 0.
 template <typename T>
 glm::mat<4, 4, T> rotated(const glm::mat<4, 4, T>& m, T angle, const glm::vec<3, T>& about) {
   const T c = elementary::cos(angle), s = elementary::sin(angle);
@@ -21,12 +21,12 @@ glm::mat<4, 4, T> rotated(const glm::mat<4, 4, T>& m, T angle, const glm::vec<3,
           column(2, s * axis.y, -s * axis.x, c), m[3]};
 }
 
-// Returns the unit quaternion (x, y, z, w) that lies the share t of the shorter way from one to the other, both of length 1
-// (glTF 2.0, appendix C.4).
+// Returns the unit quaternion (x, y, z, w) at the share t of the shorter way between two unit quaternions (glTF 2.0,
+// appendix C.4).
 inline glm::dvec4 slerp(const glm::dvec4& from, const glm::dvec4& to, double t) {
   const double cosine = glm::dot(from, to);
   const glm::dvec4 end = cosine < 0.0 ? -to : to;
-  // Of nearly equal ones the arc is its chord, and its sine too small to divide by.
+  // Between nearly equal quaternions the arc equals its chord, and its sine is too small a divisor.
   if (std::abs(cosine) > 1.0 - 0x1p-50) return from * (1.0 - t) + end * t;
   const double angle = elementary::acos(std::abs(cosine));
   return (from * elementary::sin((1.0 - t) * angle) + end * elementary::sin(t * angle)) * (1.0 / elementary::sin(angle));

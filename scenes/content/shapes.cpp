@@ -39,7 +39,7 @@ Shape& Shape::box(glm::vec3 l, glm::vec3 h, float uv_per_unit) {
 
 Shape& Shape::lathe(glm::vec3 axis, const std::vector<glm::vec2>& profile, uint32_t segments, float crease_deg) {
   const float limit = elementary::cos(glm::radians(crease_deg));
-  std::vector<glm::vec2> outward;  // of each profile edge: to the right of its direction
+  std::vector<glm::vec2> outward;  // normal of each profile edge, to the right of its direction
   for (size_t e = 0; e + 1 < profile.size(); ++e) {
     const glm::vec2 d = glm::normalize(profile[e + 1] - profile[e]);
     outward.emplace_back(d.y, -d.x);
@@ -117,7 +117,7 @@ Shape& Shape::bevelled_box(glm::vec3 low, glm::vec3 high, float bevel, float uv_
         return s;
       };
       face(at(sign(-1, -1), axis), at(sign(1, -1), axis), at(sign(1, 1), axis), at(sign(-1, 1), axis));
-      // The cut edges along `axis`: between the faces u and v.
+      // The bevels along `axis`, between the faces u and v.
       glm::vec3 from(-1), to(-1);
       from[u] = to[u] = side, from[v] = to[v] = 1.0f;
       to[axis] = 1.0f;
@@ -230,7 +230,7 @@ std::vector<Point> curve_through(const std::vector<Point>& points, uint32_t step
   for (size_t i = 0; i + 1 < points.size(); ++i) {
     const Point b = points[i], c = points[i + 1];
     if (b == c) continue;
-    // A neighbour beyond a corner or the end lies straight on.
+    // Beyond a corner or an end the curve is continued straight.
     const Point a = i > 0 && points[i - 1] != b ? points[i - 1] : b + (b - c);
     const Point d = i + 2 < points.size() && points[i + 2] != c ? points[i + 2] : c + (c - b);
     for (uint32_t k = 0; k < steps; ++k) {
@@ -261,7 +261,8 @@ Mesh Shape::mesh(std::string name) const {
 
 namespace {
 
-// Per-vertex tangents from uv gradients; the bitangent points up the image, against v. Where uv are degenerate, any.
+// Adds tangents from uv gradients, whose bitangents point up the image, against v. Where uvs are degenerate they are
+// arbitrary.
 void add_tangents(Mesh& mesh) {
   const auto at3 = [](const std::vector<float>& v, size_t i) {
     return glm::vec3(v[3 * i], v[3 * i + 1], v[3 * i + 2]);
@@ -405,7 +406,7 @@ sideray_light sun_light(glm::vec3 direction, glm::vec3 irradiance) {
   light.size = sizeof(light);
   light.type = SIDERAY_LIGHT_DIRECTIONAL;
   light.angular_diameter_deg = 0.53f;
-  // A file keeps no length: of unit length it comes back from there to the last bit.
+  // Files do not keep the length: a unit vector is read back with the same bits.
   const glm::vec3 unit(glm::normalize(glm::dvec3(direction)));
   for (int i = 0; i < 3; ++i) light.direction[i] = unit[i], light.intensity[i] = irradiance[i];
   return light;

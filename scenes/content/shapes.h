@@ -1,4 +1,5 @@
-// Meshes of simple shapes for the built-in scenes. Counter-clockwise front faces, unit normals. Any thread.
+// Builds meshes of simple shapes for the built-in scenes. Front faces are counter-clockwise, normals have unit length.
+// Any thread.
 #pragma once
 
 #include <cstdint>
@@ -15,25 +16,25 @@ namespace sideray::scenes {
 // Appends shapes to one mesh with positions, normals and one uv set.
 class Shape {
  public:
-  // a, b, c, d counter-clockwise seen from the front; uv 0..uv_scale from a, image top left at d.
+  // Adds a quad whose corners are counter-clockwise seen from the front. uv is 0..uv_scale from `a`; the image's top
+  // left is at `d`.
   Shape& quad(glm::vec3 a, glm::vec3 b, glm::vec3 c, glm::vec3 d, glm::vec2 uv_scale = glm::vec2(1));
   Shape& box(glm::vec3 low, glm::vec3 high, float uv_per_unit = 1.0f);
-  // Solid of revolution about +Y through `axis`: the profile (radius, height) runs so that its left side is outside
-  // when going up; points closer in angle than `crease_deg` are smoothed. Closed where the profile starts and ends at
-  // radius 0.
+  // Adds a solid of revolution about +Y through `axis`. Going up along the profile (radius, height), outside is on the
+  // left. Bends below `crease_deg` are smoothed. The solid is closed if the profile starts and ends at radius 0.
   Shape& lathe(glm::vec3 axis, const std::vector<glm::vec2>& profile, uint32_t segments, float crease_deg = 40.0f);
   Shape& sphere(glm::vec3 center, float radius, uint32_t segments);
   Shape& cylinder(glm::vec3 base, float radius, float height, uint32_t segments);
-  // A box whose edges are cut off at 45 degrees, so that they catch the light. The image's u runs along the box's
-  // longest side, as wood grain does. Closed.
+  // Adds a closed box whose edges are bevelled by 45 degrees, so that they catch the light. The image's u runs along
+  // the box's longest side, as wood grain does.
   Shape& bevelled_box(glm::vec3 low, glm::vec3 high, float bevel, float uv_per_unit = 1.0f);
-  // A round bar along a smooth curve through `points`. Closed; its ends are flat.
+  // Adds a closed round bar along a smooth curve through `points`, with flat ends.
   Shape& tube(const std::vector<glm::vec3>& points, float radius, uint32_t sides, uint32_t steps_per_point = 5);
-  // surface(u, v) for u and v in 0..1, columns by rows quads; front where d/du x d/dv points.
+  // Adds surface(u, v), u and v in 0..1, as columns x rows quads. The front side is that of d/du x d/dv.
   Shape& sheet(uint32_t columns, uint32_t rows, const std::function<glm::vec3(float u, float v)>& surface,
                glm::vec2 uv_scale = glm::vec2(1));
   Shape& append(const Shape& other, const glm::mat4& to_here = glm::mat4(1.0f));
-  // Texture coordinates from above: (x, z) times `per_unit`.
+  // Sets texture coordinates as seen from above: (x, z) times `per_unit`.
   Shape& uv_from_above(float per_unit);
   Mesh mesh(std::string name) const;
   bool empty() const { return mesh_.indices.empty(); }
@@ -43,12 +44,12 @@ class Shape {
   Mesh mesh_;
 };
 
-// A smooth curve through the points (Catmull and Rom), `steps` pieces between neighbours. Points given twice are
-// corners.
+// Both return a smooth curve through the points (Catmull and Rom), with `steps` pieces between two points. A repeated
+// point is a corner.
 std::vector<glm::vec3> smooth_curve(const std::vector<glm::vec3>& points, uint32_t steps);
 std::vector<glm::vec2> smooth_curve(const std::vector<glm::vec2>& points, uint32_t steps);
 
-// Grows a Content: everything by index.
+// Builds a Content, whose parts refer to each other by index.
 class ContentBuilder {
  public:
   explicit ContentBuilder(std::string name) { content_.name = std::move(name); }
@@ -57,7 +58,7 @@ class ContentBuilder {
   uint32_t material(const std::string& name, const sideray_material_desc& desc, RayTraced mark = RayTraced::by_default);
   // Returns the index + 1, as slots want it.
   uint32_t texture(Texture texture);
-  // Two colours (sRGB codes) in a chequer of `cells` by `cells` tiles. Returns the index + 1, as slots want it.
+  // Adds a chequer of two colours (sRGB codes) with `cells` x `cells` tiles. Returns the index + 1, as slots want it.
   uint32_t checker(const std::string& name, glm::u8vec3 a, glm::u8vec3 b, uint32_t cells);
   void object(const std::string& name, uint32_t mesh, uint32_t material, glm::dvec3 position = glm::dvec3(0),
               double yaw_deg = 0);
@@ -67,25 +68,27 @@ class ContentBuilder {
   uint32_t wind(const sideray_wind_desc& desc);
   void light(const std::string& name, const sideray_light& light) { content_.lights.push_back({name, light}); }
   void camera(const std::string& name, const sideray_camera& camera) { content_.cameras.push_back({name, camera}); }
-  // A camera that travels by `travel` in `seconds`, then starts again: the animation of the same name, the only one.
+  // Adds a camera that moves by `travel` in `seconds`, then starts again: the content's only animation, of the same
+  // name.
   void dolly(const std::string& name, const sideray_camera& start, glm::dvec3 travel, double seconds);
-  // A system at `position`; `json` as extras.sideray.particles, its texture aside (index + 1, 0 = none).
+  // Adds a particle system at `position`. `json` is as in extras.sideray.particles, without its texture, which
+  // `texture` gives (index + 1, 0 = none).
   void particles(const std::string& name, glm::dvec3 position, const std::string& json, uint32_t texture = 0);
-  // The finished content, at time 0; meshes under normal maps get tangents.
+  // Returns the finished content, at time 0. Meshes with normal maps get tangents.
   Content take();
 
  private:
   Content content_;
 };
 
-// `direction` has any length > 0.
+// Returns a directional light; `direction` has any length > 0.
 sideray_light sun_light(glm::vec3 direction, glm::vec3 irradiance);
 sideray_light point_light(glm::vec3 position, glm::vec3 intensity, float range);
-// Lights the cone of `half_angle_deg` about `direction`, softly toward its edge.
+// Returns a light in the cone of `half_angle_deg` about `direction`, with a soft edge.
 sideray_light spot_light(glm::vec3 position, glm::vec3 direction, glm::vec3 intensity, float range,
                          float half_angle_deg);
 
-// A material with the given base colour (linear) and roughness.
+// Returns a material with the given base colour (linear) and roughness.
 sideray_material_desc opaque_material(glm::vec3 color, float roughness);
 sideray_material_desc glass_material(glm::vec3 tint, float roughness);
 

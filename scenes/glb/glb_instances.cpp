@@ -19,7 +19,7 @@ struct Trs {
   float translation[3], rotation[4], scale[3];
 };
 
-// Returns nothing where axes are not perpendicular: no translation, rotation and scale says a shear.
+// Returns translation, rotation and scale of an object; nothing where it is sheared, which they cannot express.
 std::optional<Trs> trs_of(const Object& object) {
   constexpr double shear_tolerance = 1e-6, largest = 1e30, smallest = 1e-30;
   const double* m = object.world_from_object;
@@ -50,7 +50,7 @@ glm::dmat4 matrix_of(const Object& object) {
   return m;
 }
 
-// Says of each object whether it stands still and is placed as an instance can be.
+// Returns for each object whether it can be an instance: it stands still and is not sheared.
 std::vector<bool> can_be_instances(const Content& content) {
   std::vector<bool> can;
   can.reserve(content.objects.size());

@@ -1,5 +1,5 @@
-// Checks that a .glb file will be read again (limits.h, docs/limits.md) before it is written. Called by the writer; any
-// thread.
+// Checks before a .glb file is written that it will be within the limits of reading (limits.h, docs/limits.md). The
+// writer calls it; any thread.
 #pragma once
 
 #include <cstdint>
@@ -10,14 +10,15 @@
 
 namespace sideray::scenes {
 
-// Counts objects, lights, vertices and texels. Throws Error, which names `path` and what is too much.
+// Throws Error, which names `path`, where there are too many objects, lights, vertices or texels.
 void require_readable(const std::string& path, const Content& content);
 
-// Counts JSON values as the reader does, while they are made, so that no more than the limit is ever in memory.
+// Counts JSON values as the reader does while they are made, so that memory never holds more than the limit.
 class JsonCount {
  public:
   explicit JsonCount(const std::string& path) : path_(path) {}
-  // `depth`: how many objects and lists are around the value. Throws Error, which says how many `nodes` are too many.
+  // Counts the values in `value`, which is inside `depth` objects and lists. Throws Error, which states `nodes`, if
+  // there are too many.
   void add(const nlohmann::json& value, int depth, size_t nodes);
 
  private:

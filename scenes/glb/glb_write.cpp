@@ -27,7 +27,7 @@ constexpr int type_ushort = 5123, type_uint = 5125, type_float = 5126;
 constexpr int gl_nearest = 9728, gl_linear = 9729, gl_linear_mipmap_linear = 9987;
 constexpr int gl_repeat = 10497, gl_clamp_to_edge = 33071, gl_mirrored_repeat = 33648;
 
-// Builds the JSON and the binary chunk. Numbers go into the JSON as doubles, which it keeps to the last bit.
+// Builds the JSON and the binary chunk. Numbers in the JSON are doubles, of which it keeps every bit.
 class GlbWriter {
  public:
   GlbWriter(const Content& content, const std::string& path) : content_(content), path_(path) {}
@@ -107,7 +107,7 @@ class GlbWriter {
     attributes[name] = add_accessor(values.data(), values.size() / components, components, type_float);
   }
 
-  // Attributes and indices of a mesh; several materials on it share them.
+  // Returns the attributes and indices of a mesh, which all its materials share.
   const Json& primitive(uint32_t index) {
     const auto [found, is_new] = primitives_.try_emplace(index);
     if (!is_new) return found->second;
@@ -217,8 +217,7 @@ class GlbWriter {
   Json light_node(const Light& named) {
     const sideray_light& light = named.light;
     static constexpr const char* types[] = {"directional", "point", "spot"};
-    // glTF splits a light into a colour up to 1 and its strength; as doubles, whose product is the light to the last
-    // bit.
+    // glTF splits a light into a colour up to 1 and an intensity. As doubles their product is exactly the light.
     const float strength = *std::max_element(light.intensity, light.intensity + 3);
     const double divisor = strength > 0.0f ? double{strength} : 1.0;
     Json json{{"name", named.name}, {"type", types[light.type]}, {"intensity", strength}};
@@ -269,7 +268,8 @@ class GlbWriter {
     return node;
   }
 
-  // Cameras that move: all that built-in scenes animate. Their nodes are roots, and begin at `first_camera`.
+  // Writes the animation, which moves cameras only: built-in scenes have no other. Camera nodes are roots, from
+  // `first_camera` on.
   void set_animation(const Rig& rig, size_t first_camera, Json& nodes) {
     Json animation{{"name", content_.animations.at(0).name}};
     for (const Attached& moving : rig.cameras) {
@@ -343,7 +343,7 @@ class GlbWriter {
     parent[key] = std::move(info);
   }
 
-  // The map as scale, rotation and offset; a sheared one has no such form and loses its shear.
+  // Writes the map as scale, rotation and offset, which cannot express a shear: it is lost.
   void set_transform(Json& info, const float m[6]) {
     static constexpr float identity[6] = {1, 0, 0, 1, 0, 0};
     if (std::equal(identity, identity + 6, m)) return;
@@ -356,7 +356,7 @@ class GlbWriter {
     if (m[1] != 0.0f || m[0] < 0.0f) transform["rotation"] = elementary::atan2(-double{m[1]}, double{m[0]});
   }
 
-  // thicknessFactor is in the mesh's space: load multiplies it by the scale of the nodes that use it.
+  // Returns the thickness in the mesh's space, as in glTF: loading multiplies it by the scale of the nodes that use it.
   float mesh_thickness(size_t index) const {
     const float thickness = content_.materials[index].desc.thickness;
     for (const Object& object : content_.objects) {
@@ -428,7 +428,7 @@ class GlbWriter {
     }
   }
 
-  // An extension is written where a factor or a texture of it is not the default.
+  // Writes each extension of which a factor or a texture is not the default.
   void set_lobes(Json& material, const sideray_material_desc& desc) {
     if (desc.unlit != 0) material_extension(material, "KHR_materials_unlit");
     if (desc.specular != 1.0f || !all(desc.specular_color, 1.0f) || desc.specular_texture.texture != 0 ||

@@ -7,7 +7,7 @@
 namespace sideray::scenes::gltf {
 namespace {
 
-// Where elements lie, after every bound was checked.
+// Locates elements whose bounds were all checked.
 struct Elements {
   const uint8_t* bytes = nullptr;
   size_t stride = 0, count = 0;
@@ -53,7 +53,8 @@ const tinygltf::Accessor& accessor_at(const File& file, int index, const std::st
   return file.model.accessors[checked_index(file, index, file.model.accessors.size(), "accessor", user)];
 }
 
-// `count` elements of `element_bytes` at `offset` of the view, `stride` apart, must lie inside it.
+// Returns the first of `count` elements of `element_bytes` bytes, `stride` apart, from `offset` of the view. Throws
+// Error where they are not inside it.
 const uint8_t* checked_bytes(const File& file, int view_index, size_t offset, size_t stride, size_t element_bytes,
                              size_t count, const std::string& user) {
   const size_t index = checked_index(file, view_index, file.model.bufferViews.size(), "bufferView", user);
@@ -97,7 +98,7 @@ T component_at(const uint8_t* element, size_t index) {
   return value;
 }
 
-// glTF 2.0, 3.11: signed normalized integers are max(c / max, -1).
+// Returns a component as float. Signed normalized integers are max(c / max, -1) (glTF 2.0, 3.11).
 float float_at(const Elements& elements, const uint8_t* element, size_t c) {
   const float divide = elements.normalized ? 1.0f : 0.0f;
   const auto scaled = [&](float value, float maximum) {

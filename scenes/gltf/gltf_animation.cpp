@@ -5,7 +5,7 @@
 #include "scenes/gltf/gltf.h"
 #include "scenes/gltf/gltf_pointer.h"
 
-// Animations: of nodes as channels of the rig, of what pointers lead to as values.
+// Reads animations: those of nodes as channels of the rig, those of pointers as values.
 namespace sideray::scenes::gltf {
 namespace {
 
@@ -53,7 +53,7 @@ class AnimationReader {
         continue;
       }
       const std::optional<Property> property = property_of(source.target_path);
-      // Without a node it is for extensions.
+      // A channel without a node belongs to extensions.
       if (!property || source.target_node < 0) continue;
       play_node(checked_index(file_, source.target_node, rig_node_.size(), "node", keys.user), *property, keys);
     }
@@ -62,7 +62,7 @@ class AnimationReader {
   std::vector<AnimatedValue> take_values() { return std::move(values_); }
 
  private:
-  // Where a channel's keys come from.
+  // Locates the keys of a channel.
   struct Source {
     const tinygltf::AnimationSampler& sampler;
     std::string user;
@@ -74,7 +74,7 @@ class AnimationReader {
   }
 
   void play_node(size_t target_index, Property property, const Source& keys) {
-    // Nodes outside the scene are not seen.
+    // Skips nodes outside the scene.
     const int node = rig_node_[target_index];
     if (node < 0) return;
     const tinygltf::Node& target = file_.model.nodes[target_index];
@@ -131,7 +131,7 @@ class AnimationReader {
     values_.push_back({std::move(target), std::move(channel)});
   }
 
-  // They are those of the nodes that have the mesh and no weights of their own.
+  // Animates the weights of a mesh: those of its nodes that have no own weights.
   void play_mesh_weights(size_t mesh, const Source& keys) {
     for (size_t i = 0; i < file_.model.nodes.size(); ++i) {
       const tinygltf::Node& node = file_.model.nodes[i];
@@ -145,7 +145,7 @@ class AnimationReader {
     return samplers[checked_index(file_, animation.channels[channel].sampler, samplers.size(), "sampler", user)];
   }
 
-  // A few characters can name the same numbers over and over.
+  // Refuses too many numbers: a few characters can name the same ones over and over.
   void count(size_t numbers) {
     numbers_ += numbers;
     if (numbers_ > limits::animation_numbers) {
@@ -171,7 +171,7 @@ class AnimationReader {
     channel.period_s = keys.period_s;
     channel.times = times(source, user);
     size_t elements = channel.times.size();
-    // What is true or false does not pass through what lies between.
+    // Truth values cannot be interpolated.
     if (source.interpolation == "STEP" || channel.property == Property::visible) {
       channel.interpolation = Interpolation::step;
     } else if (source.interpolation == "CUBICSPLINE") {
@@ -181,7 +181,7 @@ class AnimationReader {
       content_.warnings.push_back(
           fmt::format("{}: its interpolation \"{}\" is unknown; LINEAR is taken", user, source.interpolation));
     }
-    // Weights are single numbers, as many a key as there are targets.
+    // A key of weights has a number for each target, which are separate elements of the accessor.
     const bool is_weights = channel.property == Property::weights;
     const auto components = is_weights ? 1u : static_cast<uint32_t>(components_of(channel));
     if (is_weights) elements *= channel.targets;
@@ -195,7 +195,7 @@ class AnimationReader {
   const File& file_;
   Rig& rig_;
   Content& content_;
-  std::vector<int> rig_node_;  // of each node of the file; -1 = not in the scene
+  std::vector<int> rig_node_;  // for each node of the file; -1 = not in the scene
   std::vector<AnimatedValue> values_;
   std::set<std::string> unknown_;  // pointers
   size_t numbers_ = 0;

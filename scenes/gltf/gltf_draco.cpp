@@ -10,19 +10,19 @@
 #include "scenes/base/limits.h"
 #include "scenes/gltf/gltf.h"
 
-// KHR_draco_mesh_compression: the one place that knows draco. A few bytes of it can ask for any size, so the decoders
-// are stopped where sizes become known: before the triangles and before the attributes.
+// Decodes KHR_draco_mesh_compression; only this file knows draco. A few bytes can ask for any size, so decoders are
+// stopped where sizes become known: before the triangles and before the attributes.
 namespace sideray::scenes::gltf {
 namespace {
 
 constexpr const char* draco_extension = "KHR_draco_mesh_compression";
 constexpr uint64_t bytes_per_triangle = 96;  // corner table and its traversal, while decoding
 
-// Bounds what one primitive's data may grow to.
+// Bounds the decoded size of one primitive.
 struct Bounds {
   uint64_t triangles = 0, vertices = 0;
   Budget& budget;
-  uint64_t taken = 0;   // of the budget, as work space
+  uint64_t taken = 0;   // from the budget, as work space
   std::string refusal;  // why decoding was stopped; empty where it was not
 
   bool refuse_more(std::string why, std::string what_to_do = "export it again") {
@@ -36,7 +36,7 @@ struct Bounds {
     if (stored > triangles) {
       return refuse_more(fmt::format("holds {} triangles where the accessor has {}", stored, triangles));
     }
-    // Each corner can be a vertex of its own. Exporters that keep vertices which no corner uses count them.
+    // Each corner may have its own vertex. Unused vertices count too: some exporters keep them.
     if (most_vertices(stored) < stored_vertices)
       return refuse_more(fmt::format("holds {} vertices where the accessor has {}", stored_vertices, vertices));
     return take(uint64_t{stored} * bytes_per_triangle);
@@ -45,7 +45,7 @@ struct Bounds {
     uint64_t vertex_bytes = 0;
     for (int i = 0; i < cloud.num_attributes(); ++i) {
       const draco::PointAttribute& a = *cloud.attribute(i);
-      // The values, and the integers that they are made from.
+      // Space for the values, and for the integers from which they are computed.
       vertex_bytes += uint64_t{static_cast<uint8_t>(a.num_components())} *
                       static_cast<uint64_t>(std::max(draco::DataTypeLength(a.data_type()), 0) + 4);
     }
@@ -63,14 +63,15 @@ struct Sizes {
   uint32_t triangles = 0, vertices = 0;
 };
 
-// The edgebreaker writes vertices first, the sequential method triangles first; both as its decoder reads them next.
+// Reads the two counts ahead of the decoder: the edgebreaker method stores vertices first, the sequential one
+// triangles.
 bool peek(draco::DecoderBuffer at, bool vertices_first, Sizes& sizes) {
   uint32_t* const order[] = {vertices_first ? &sizes.vertices : &sizes.triangles,
                              vertices_first ? &sizes.triangles : &sizes.vertices};
   return draco::DecodeVarint(order[0], &at) && draco::DecodeVarint(order[1], &at);
 }
 
-// Reads one vertex number of a triangle list that is stored as it is: as many bytes as the count of vertices takes.
+// Reads one vertex number of an uncompressed triangle list, in as many bytes as the number of vertices needs.
 bool read_corner(draco::DecoderBuffer& from, uint32_t vertices, uint32_t& corner) {
   uint8_t byte = 0;
   uint16_t word = 0;
@@ -79,7 +80,8 @@ bool read_corner(draco::DecoderBuffer& from, uint32_t vertices, uint32_t& corner
   return vertices < 1u << 21 ? draco::DecodeVarint(&corner, &from) : from.Decode(&corner);
 }
 
-// Compressed lists hold twice the distance of each corner to the one before, odd where that goes down.
+// Decodes a compressed list, which holds twice the difference of each corner from the previous one, plus 1 where it is
+// negative.
 bool undo_distances(std::vector<uint32_t>& corners) {
   int64_t last = 0;
   for (uint32_t& corner : corners) {
@@ -91,7 +93,7 @@ bool undo_distances(std::vector<uint32_t>& corners) {
   return true;
 }
 
-// Decodes the triangles of the sequential method as the library does, which refuses more vertices than corners.
+// Decodes the triangles of the sequential method as the library does, which however refuses more vertices than corners.
 bool decode_sequential_triangles(const Sizes& sizes, draco::DecoderBuffer& from, draco::Mesh& mesh) {
   uint32_t passed = 0;
   uint8_t is_stored = 0;
@@ -136,7 +138,7 @@ class Bounded : public Decoder {
 using BoundedEdgebreaker = Bounded<draco::MeshEdgebreakerDecoder, true>;
 using BoundedSequential = Bounded<draco::MeshSequentialDecoder, false>;
 
-// False where the stream is damaged or stopped by its bounds.
+// Returns false where the stream is damaged, or `bounds` stopped it.
 bool decode(std::span<const uint8_t> bytes, Bounds& bounds, draco::Mesh& mesh) {
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -156,7 +158,7 @@ bool decode(std::span<const uint8_t> bytes, Bounds& bounds, draco::Mesh& mesh) {
   return BoundedSequential(bounds).Decode(options, &buffer, &mesh).ok();
 }
 
-// One accessor's elements, tightly packed. False where a value does not fit its type.
+// Packs the elements of an accessor tightly. Returns false where a value does not fit its type.
 template <typename T>
 bool pack_as(const draco::Mesh& mesh, const draco::PointAttribute& attribute, int8_t components,
              std::vector<uint8_t>& to) {
@@ -214,7 +216,7 @@ class PrimitiveDecoder {
     const auto& views = file_.model.bufferViews;
     const tinygltf::BufferView& view = views[checked_index(file_, view_index, views.size(), "bufferView", user_)];
     const std::vector<unsigned char>& data = file_.model.buffers[static_cast<size_t>(view.buffer)].data;
-    // read() has put it there.
+    // hide_draco_indices() has moved it there.
     primitive_.indices = static_cast<int>(std::clamp(number(file_, e, "indices", -1.0), -1.0, 2e9));
     const auto position = primitive_.attributes.find("POSITION");
     Bounds bounds{.triangles = accessor_count(file_, primitive_.indices, user_ + ", indices") / 3,
@@ -232,7 +234,7 @@ class PrimitiveDecoder {
     file_.budget.check_time(user_);
   }
 
-  // Other primitives may use the accessor with other data: this one gets its own.
+  // Adds an accessor for this primitive alone: others may use the file's accessor with other data.
   int add_accessor(tinygltf::Accessor accessor, std::vector<uint8_t> bytes, size_t count) {
     tinygltf::BufferView view;
     view.byteLength = bytes.size();

@@ -8,7 +8,7 @@
 #include "scenes/content/hash.h"
 #include "scenes/gltf/gltf_texture.h"
 
-// extras.sideray of nodes: what legacy content knows of a node and glTF does not.
+// Reads extras.sideray of nodes: properties of legacy content that glTF lacks.
 namespace sideray::scenes::gltf {
 namespace {
 
@@ -59,7 +59,8 @@ double in_range(const File& file, const tinygltf::Value& wind, const char* key, 
   return value;
 }
 
-// A direction that has a unit's length to rounding stays as it is, so that what is written is read back.
+// Reads a direction and normalizes it. A direction of unit length up to rounding keeps its bits, so that written files
+// are read back equal.
 void read_direction(const File& file, const tinygltf::Value& wind, const std::string& user, float direction[3]) {
   const std::vector<double> given = numbers(file, wind, "direction", {1, 0, 0});
   const double length = given.size() == 3 ? elementary::hypot(given[0], given[1], given[2]) : 0.0;
@@ -84,7 +85,7 @@ sideray_wind_desc read_wind(const File& file, const tinygltf::Value& wind, const
   return desc;
 }
 
-// One wind for all nodes that have the same numbers.
+// Reads winds; nodes with the same numbers share one.
 class WindReader {
  public:
   WindReader(const File& file, Content& content) : file_(file), content_(content) {}
@@ -98,8 +99,8 @@ class WindReader {
       return;
     }
     const uint32_t index = index_of(desc);
-    const bool is_given_each = has_wind_phases(file_.model.nodes[placed.node]);  // read with the instances
-    // Primitives of one instance move alike: every mesh of the node counts its instances anew.
+    const bool is_given_each = has_wind_phases(file_.model.nodes[placed.node]);  // already read with the instances
+    // Primitives of one instance move alike, so every mesh of the node counts instances from 0.
     uint32_t instance = 0;
     for (uint32_t k = 0; k < placed.object_count; ++k) {
       Object& object = content_.objects[placed.first_object + k];

@@ -6,11 +6,11 @@
 #include "scenes/gltf/gltf.h"
 #include "scenes/base/limits.h"
 
-// Reads EXT_mesh_gpu_instancing and the custom attributes that this program adds to it (docs/gltf.md).
+// Reads EXT_mesh_gpu_instancing, and the custom attributes that our writer adds (docs/gltf.md).
 namespace sideray::scenes::gltf {
 namespace {
 
-// Reads the attributes of one node, all of which have one element an instance.
+// Reads the attributes of one node, all of which have one element for each instance.
 class AttributeReader {
  public:
   AttributeReader(const File& file, const tinygltf::Value& attributes, const std::string& name)
@@ -18,10 +18,10 @@ class AttributeReader {
     count_instances();
   }
 
-  // Attributes of other programs count too.
+  // Returns the number of instances, also if only attributes of other programs give it.
   size_t count() const { return count_; }
 
-  // Empty where the node lacks the attribute.
+  // Returns nothing where the node lacks the attribute.
   std::vector<float> read(const char* key, uint32_t components) const {
     if (!attributes_.Has(key)) return {};
     const std::string user = user_of(key);
@@ -31,7 +31,7 @@ class AttributeReader {
     return values;
   }
 
-  // One row of each instance's matrix, four doubles in 16 unsigned shorts.
+  // Reads one row of each instance's matrix: four doubles in 16 unsigned shorts.
   std::vector<double> read_row(const char* key) const {
     if (!attributes_.Has(key)) return {};
     const std::string user = user_of(key);
@@ -64,7 +64,7 @@ class AttributeReader {
     return static_cast<int>(index);
   }
 
-  // Called before any memory is taken.
+  // Counts the instances; called before any memory is allocated.
   void count_instances() {
     for (const std::string& key : attributes_.Keys()) {
       const std::string user = user_of(key);
@@ -77,7 +77,7 @@ class AttributeReader {
     if (count_ > limits::objects)
       refuse("cannot read {}: node {} has {} instances, more than {}; use a smaller scene", file_.path, name_, count_,
              limits::objects);
-    // Two matrices each, while they are put together.
+    // Building the transforms takes two matrices for each instance.
     file_.budget.check_memory(count_ * 2 * sizeof(glm::dmat4), "node " + name_);
   }
 
@@ -99,7 +99,7 @@ std::vector<glm::dmat4> placements(const AttributeReader& attributes) {
   return transforms;
 }
 
-// Says whether two transforms are one but for the rounding of floats.
+// Returns whether two transforms are equal up to the rounding of floats.
 bool is_same_place(const glm::dmat4& exact, const glm::dmat4& rounded) {
   constexpr double tolerance = 1e-5;
   for (int c = 0; c < 4; ++c) {
@@ -113,8 +113,8 @@ bool is_same_place(const glm::dmat4& exact, const glm::dmat4& rounded) {
   return true;
 }
 
-// Takes the doubles that the floats of TRANSLATION, ROTATION and SCALE were rounded from. Where an instance was moved
-// since, by a program that knows nothing of them, its floats hold.
+// Replaces transforms by the doubles from which TRANSLATION, ROTATION and SCALE were rounded. Instances that another
+// program has moved since, without updating the doubles, keep their floats.
 void make_exact(const AttributeReader& attributes, const std::string& name, Content& content,
                 std::vector<glm::dmat4>& transforms) {
   std::vector<glm::dmat4> exact = transforms;
@@ -158,7 +158,7 @@ std::vector<uint32_t> object_indices(const File& file, const AttributeReader& at
   return indices;
 }
 
-// Returns null where the node is not instanced.
+// Returns the attributes of the instances, null where the node has none.
 const tinygltf::Value* attributes_of(const tinygltf::Node& node) {
   const tinygltf::Value* e = extension(node.extensions, instancing_extension);
   if (e == nullptr || !e->Has("attributes")) return nullptr;

@@ -44,7 +44,7 @@ class MaterialReader {
     content_.warnings.push_back(fmt::format("{}: {} is {}; {}", user_, key, value, consequence));
   }
 
-  // Returns the nearest value inside the range where `value` is outside by no more than exporters round.
+  // Returns `value`, clamped to the range if it is outside by no more than the rounding of exporters.
   double within(double value, double minimum, double maximum, const char* key, const char* range) const {
     constexpr double rounding = 0.01;
     if (value >= minimum && value <= maximum) return value;
@@ -101,7 +101,7 @@ class MaterialReader {
           fmt::format("{}: alphaMode \"{}\" is unknown; OPAQUE is taken", user_, source.alphaMode));
   }
 
-  // Factors above 1 are what exporters wrote before there was KHR_materials_emissive_strength.
+  // Reads emission. Factors above 1 are of exporters from before KHR_materials_emissive_strength.
   void read_emission(const std::vector<double>& factor, sideray_material_desc& desc) const {
     const double strongest = factor.size() == 3 ? *std::max_element(factor.begin(), factor.end()) : 0.0;
     if (!(strongest > 1.0 && strongest <= 1e6)) return read_unit_color(factor, desc.emissive, 3, "emissiveFactor");
@@ -117,7 +117,7 @@ class MaterialReader {
     }
     if (const auto* e = extension(extensions, "KHR_materials_ior")) {
       const double ior = number(file_, *e, "ior", 1.5);
-      // 0 asks for Fresnel 1 everywhere (KHR_materials_ior); the largest accepted index is 4e-6 off.
+      // 0 means a Fresnel term of 1 everywhere (KHR_materials_ior); the largest accepted index differs by 4e-6.
       desc.ior = ior == 0.0 ? 1e6f : at_least(ior, 1.0, "ior");
     }
     if (const auto* e = extension(extensions, "KHR_materials_volume")) read_volume(*e, desc);
@@ -202,7 +202,7 @@ class MaterialReader {
     desc.iridescence_thickness_texture = slot(e, "iridescenceThicknessTexture", Colors::linear);
   }
 
-  // The archived predecessor of metallic-roughness; where it is given it stands in place of the core's factors.
+  // Reads the archived predecessor of metallic-roughness, which replaces the core's factors where it is present.
   bool read_specular_glossiness(const tinygltf::Material& source, sideray_material_desc& desc) {
     const auto* e = extension(source.extensions, "KHR_materials_pbrSpecularGlossiness");
     if (e == nullptr) return false;
@@ -267,7 +267,7 @@ class MaterialReader {
     return {info.index, info.texCoord, info.extensions};
   }
 
-  // A textureInfo inside an extension, which tinygltf leaves as a value.
+  // Reads a textureInfo inside an extension, which tinygltf keeps as a value.
   TextureUse use(const tinygltf::Value& e, const char* key) const {
     if (!e.Has(key)) return {};
     const tinygltf::Value& info = e.Get(key);
@@ -275,7 +275,7 @@ class MaterialReader {
       refuse("cannot read {}: {} of {} names no texture; export it again", file_.path, key, user_);
     }
     TextureUse use;
-    // An index below 0 is no texture: it must be found out, not taken for none.
+    // A negative index is an error, which -1 must not hide as "no texture".
     use.index = static_cast<int>(std::clamp(number(file_, info, "index", -1.0), -1.0, 2e9));
     checked_index(file_, use.index, file_.model.textures.size(), "texture", user_);
     use.uv_set = static_cast<int>(std::clamp(number(file_, info, "texCoord", 0.0), -1.0, 2e9));
@@ -297,7 +297,7 @@ class MaterialReader {
   std::string user_;
 };
 
-// Says of each material whether anything in the scene has it.
+// Returns for each material whether anything in the scene uses it.
 std::vector<bool> shown_materials(const File& file, std::span<const PlacedNode> nodes) {
   std::vector<bool> shown(file.model.materials.size(), false);
   for (const PlacedNode& placed : nodes) {
@@ -312,7 +312,7 @@ std::vector<bool> shown_materials(const File& file, std::span<const PlacedNode> 
   return shown;
 }
 
-// What is not shown loses no scene, however broken it is.
+// Reads a material that nothing shows. If it is broken it becomes a warning, and the scene is still read.
 Material read_or_leave_out(const File& file, MaterialReader& reader, size_t index, Content& content) {
   const tinygltf::Material& source = file.model.materials[index];
   try {

@@ -17,7 +17,7 @@ void refuse_unless_below(const File& file, std::span<const uint32_t> indices, si
   }
 }
 
-// Corner lists of strips and fans as separate triangles (glTF 2.0, 3.7.2.1), keeping their winding.
+// Returns the corners of lists, strips and fans as separate triangles of the same winding (glTF 2.0, 3.7.2.1).
 std::vector<uint32_t> triangle_list(const std::vector<uint32_t>& corners, int mode) {
   if (mode == TINYGLTF_MODE_TRIANGLES) {
     return {corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(corners.size() / 3 * 3)};
@@ -35,7 +35,7 @@ std::vector<uint32_t> triangle_list(const std::vector<uint32_t>& corners, int mo
   return triangles;
 }
 
-// Corner lists of strips and loops as separate lines.
+// Returns the corners of lists, strips and loops as separate lines.
 std::vector<uint32_t> line_list(const std::vector<uint32_t>& corners, int mode) {
   if (mode == TINYGLTF_MODE_LINE)
     return {corners.begin(), corners.begin() + static_cast<std::ptrdiff_t>(corners.size() / 2 * 2)};
@@ -47,14 +47,14 @@ std::vector<uint32_t> line_list(const std::vector<uint32_t>& corners, int mode) 
   return lines;
 }
 
-// Of what so many corners make.
+// Returns an upper bound on the indices that `corners` corners become.
 size_t most_indices(size_t corners, int mode) {
   return mode == TINYGLTF_MODE_TRIANGLES ? corners : 3 * corners;
 }
 
 struct Primitives {
   const char* name;
-  size_t corners;  // of each
+  size_t corners;  // of each primitive
 };
 Primitives primitives_of(sideray_topology topology) {
   if (topology == SIDERAY_POINTS) return {"points", 1};
@@ -76,7 +76,7 @@ bool usable_position(const float* p) {
   return std::all_of(p, p + 3, [](float x) { return std::abs(x) <= static_cast<float>(limits::coordinate); });
 }
 
-// Leaves out what is at positions that no renderer can draw, and puts those vertices at the origin.
+// Removes primitives at positions that no renderer can draw, and moves their vertices to the origin.
 void drop_broken_primitives(Mesh& mesh, Content& content) {
   const auto [name, corners] = primitives_of(mesh.topology);
   std::vector<uint32_t> kept;
@@ -135,11 +135,11 @@ void read_attributes(const File& file, const tinygltf::Primitive& primitive, siz
                                        : read_floats(file, found->second, want.components, vertices, user);
     warn_not_finite(want.values, want.attribute, mesh, content);
   }
-  // Tangents belong to normals; alone they say nothing (glTF 2.0, 3.7.2.1).
+  // Tangents without normals are ignored (glTF 2.0, 3.7.2.1).
   if (mesh.normals.empty()) mesh.tangents.clear();
 }
 
-// Returns whether the primitive's material asks for a direction that the mesh does not have.
+// Returns whether the primitive's material needs tangents that the mesh neither has nor gets from uvs.
 bool lacks_direction(const File& file, const tinygltf::Primitive& primitive, const Mesh& mesh) {
   if (!mesh.tangents.empty() || !mesh.uv0.empty()) return false;
   const std::vector<tinygltf::Material>& materials = file.model.materials;

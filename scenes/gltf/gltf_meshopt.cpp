@@ -4,8 +4,8 @@
 
 #include "scenes/gltf/gltf.h"
 
-// EXT_meshopt_compression: the one place that knows meshoptimizer. Its decoders are made for untrusted bytes, but check
-// what they are asked for by assertions only.
+// Decodes EXT_meshopt_compression; only this file knows meshoptimizer. Its decoders are safe for untrusted bytes, but
+// check their arguments by assertions only.
 namespace sideray::scenes::gltf {
 namespace {
 
@@ -29,7 +29,7 @@ std::string word(const tinygltf::Value& e, const char* key, const char* fallback
   return e.Has(key) && e.Get(key).IsString() ? e.Get(key).Get<std::string>() : fallback;
 }
 
-// The sizes that the extension allows for each mode and filter.
+// Returns whether the extension allows these sizes for the mode and the filter.
 bool allowed(const Stream& s) {
   if (s.mode == "ATTRIBUTES" && (s.stride % 4 != 0 || s.stride > 256)) return false;
   if (s.mode == "TRIANGLES" && s.count % 3 != 0) return false;
@@ -39,7 +39,8 @@ bool allowed(const Stream& s) {
   return s.mode == "ATTRIBUTES" && (s.filter == "NONE" || s.filter == "EXPONENTIAL");
 }
 
-// Every 16 equal bytes of an attribute still take 2 bits, and every triangle or index takes a byte.
+// Returns whether so few bytes can hold the elements: 16 equal bytes of an attribute still take 2 bits, and every
+// triangle or index a byte.
 bool plausible(const Stream& s) {
   return s.count * s.stride <= 64 * s.bytes.size();
 }

@@ -4,13 +4,13 @@
 #include "scenes/base/limits.h"
 #include "scenes/gltf/gltf.h"
 
-// Morph targets and their weights.
+// Reads morph targets and their weights.
 namespace sideray::scenes::gltf {
 namespace {
 
 struct Wanted {
   const char* attribute;
-  uint32_t components;  // 0: of a colour, 3 or 4
+  uint32_t components;  // 0: a colour of 3 or 4
   std::vector<float> MorphTarget::*to;
   std::vector<float> Mesh::*base;
 };
@@ -22,7 +22,7 @@ constexpr Wanted wanted[] = {{"POSITION", 3, &MorphTarget::positions, &Mesh::pos
                              {"TEXCOORD_1", 2, &MorphTarget::uv1, &Mesh::uv1},
                              {"COLOR_0", 0, &MorphTarget::colors, &Mesh::colors}};
 
-// A colour without alpha adds none.
+// Reads the values that a target adds; a colour without alpha adds 0 to alpha.
 std::vector<float> read_added(const File& file, int accessor, uint32_t components, size_t vertices,
                               const std::string& user) {
   if (components != 0) return read_floats(file, accessor, components, vertices, user);
@@ -62,7 +62,7 @@ std::vector<double> checked_weights(const File& file, const std::vector<double>&
   if (weights.size() != targets)
     refuse("cannot read {}: {} has {} weights for {} morph targets; export it again", file.path, user, weights.size(),
            targets);
-  // Products with what targets add stay in the range of floats.
+  // Larger weights could leave the range of floats when multiplied by targets.
   if (!std::all_of(weights.begin(), weights.end(), [](double w) { return std::abs(w) <= 1e6; }))
     refuse("cannot read {}: {} has a weight beyond 1e6; correct it", file.path, user);
   return weights;
@@ -74,7 +74,7 @@ size_t target_count(const File& file, const tinygltf::Node& node) {
   const auto mesh = static_cast<size_t>(node.mesh);
   if (mesh >= file.model.meshes.size() || file.model.meshes[mesh].primitives.empty()) return 0;
   const auto& primitives = file.model.meshes[mesh].primitives;
-  // Primitives that are empty were left out, and their targets with them.
+  // Empty primitives have lost their targets, so the largest number of targets counts.
   const auto has_more = [](const tinygltf::Primitive& a, const tinygltf::Primitive& b) {
     return a.targets.size() < b.targets.size();
   };

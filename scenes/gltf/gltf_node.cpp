@@ -38,7 +38,7 @@ Placement placement_of(const File& file, size_t index, Content& content) {
     placement.rotation = glm::dquat(1.0, 0.0, 0.0, 0.0);
     return placement;
   }
-  // A unit quaternion stays as it is to the last bit.
+  // A unit quaternion keeps all its bits.
   if (std::abs(length - 1.0) > 1e-12) placement.rotation /= length;
   return placement;
 }
@@ -68,7 +68,7 @@ RigNode rig_node(const File& file, size_t index, int parent, Content& content) {
   return node;
 }
 
-// Says of each node whether another one has it as a child.
+// Returns for each node whether it is the child of another.
 std::vector<bool> children_of(const File& file) {
   const auto& nodes = file.model.nodes;
   std::vector<bool> is_child(nodes.size(), false);
@@ -78,7 +78,8 @@ std::vector<bool> children_of(const File& file) {
   return is_child;
 }
 
-// Exporters list nodes as the scene's that are children of others too: those come last, when they have their places.
+// Sorts the scene's nodes. Some exporters also list nodes that are children of others: those come last, after their
+// parents have placed them.
 std::vector<int> parents_first(const File& file, std::vector<int> roots) {
   const std::vector<bool> is_child = children_of(file);
   std::stable_partition(roots.begin(), roots.end(), [&](int node) {
@@ -153,13 +154,14 @@ class ObjectReader {
   std::vector<uint32_t> take_places() { return std::move(places_); }
 
  private:
-  // The weights of a node's morph targets at rest, and the node of the rig whose channels change them.
+  // Holds the weights of a node's morph targets at rest, and the node of the rig whose channels change them.
   struct Weights {
     std::vector<double> rest;
     uint32_t node;
   };
 
-  // The node's own transform is the joints' affair (glTF 2.0, 3.7.3.3): vertices come out in world space.
+  // Reads a skinned mesh. The joints alone place its vertices, in world space; the node's transform is ignored (glTF
+  // 2.0, 3.7.3.3).
   void read_skinned(const tinygltf::Node& node, size_t mesh, const std::string& name, const Weights& weights) {
     const uint32_t skin = skins_.skin(node.skin, "node " + name);
     if (extension(node.extensions, instancing_extension) != nullptr) {
@@ -220,8 +222,8 @@ class ObjectReader {
     places_.push_back(place);
   }
 
-  // Index into Content::meshes, or -1 where there is nothing to draw. Shared by all nodes that use it at the same
-  // weights; one whose weights move has a mesh of its own.
+  // Returns the index in Content::meshes, or -1 where there is nothing to draw. Nodes with the same weights share a
+  // mesh; a node with animated weights has its own.
   int primitive_mesh(size_t mesh, size_t primitive, const Weights& weights) {
     if (!weights.rest.empty() && rig_.nodes[weights.node].is_morphing) return shaped_mesh(mesh, primitive, weights);
     const auto [found, is_new] = meshes_.try_emplace({mesh, primitive, weights.rest}, -1);
@@ -229,7 +231,7 @@ class ObjectReader {
     return found->second;
   }
 
-  // Reads the mesh at these weights, which are put into it for good where nothing changes them.
+  // Reads the mesh at these weights, which are permanent where nothing changes them.
   int shaped_mesh(size_t mesh, size_t primitive, const Weights& weights) {
     const int index = read_mesh(mesh, primitive);
     if (index < 0 || weights.rest.empty()) return index;
@@ -240,7 +242,7 @@ class ObjectReader {
              file_.path, shaped.name, source.targets.size(), weights.rest.size());
     const auto [targets, is_new] = targets_.try_emplace({mesh, primitive});
     if (is_new) {
-      // Counted first: many targets can name the same bytes.
+      // Counts before reading: many targets can name the same bytes.
       for (const auto& target : source.targets) count(target.size() * shaped.positions.size());
       targets->second = read_targets(file_, source, shaped, content_);
     }
@@ -274,7 +276,7 @@ class ObjectReader {
     return static_cast<int>(content_.meshes.size() - 1);
   }
 
-  // A name that does not fit into the string itself takes memory of its own.
+  // Returns the memory of a name, 0 for one that the string itself can hold.
   static size_t most_name_bytes(const Object& object) {
     return object.name.size() < sizeof(std::string) / 2 ? 0 : object.name.size();
   }
@@ -304,7 +306,7 @@ class ObjectReader {
       Material material_without_name;
       material_without_name.name = "default";
       material_without_name.desc = sideray_material_defaults();
-      // glTF 2.0, 3.9.6: what meshes without a material look like.
+      // The default material of glTF 2.0, 3.9.6.
       material_without_name.desc.metallic = material_without_name.desc.roughness = 1.0f;
       content_.materials.push_back(std::move(material_without_name));
       content_.defaulted.emplace_back("material: some meshes have none; glTF's default material is shown");
@@ -318,8 +320,8 @@ class ObjectReader {
   Content& content_;
   SkinReader skins_;
   std::map<std::tuple<size_t, size_t, std::vector<double>>, int> meshes_;
-  std::map<std::pair<size_t, size_t>, std::shared_ptr<const MorphTargets>> targets_;  // of a mesh's primitives
-  std::vector<uint32_t> places_;  // of each object
+  std::map<std::pair<size_t, size_t>, std::shared_ptr<const MorphTargets>> targets_;  // by mesh and primitive
+  std::vector<uint32_t> places_;  // for each object
   size_t numbers_ = 0;
   int default_material_ = -1;
 };
@@ -333,7 +335,7 @@ std::vector<PlacedNode> place_nodes(const File& file, Rig& rig, Content& content
   const size_t count = file.model.nodes.size();
   std::vector<Pending> pending;
   const auto push = [&](const std::vector<int>& nodes, int depth, int parent) {
-    // Last in, first out: reversed, so that nodes come in the file's order.
+    // Pushed in reverse, so that nodes are popped in the file's order.
     for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) pending.push_back({*node, depth, parent});
   };
   push(root_nodes(file, content), 0, -1);
@@ -379,7 +381,7 @@ std::vector<uint32_t> read_objects(const File& file, std::span<PlacedNode> nodes
   return reader.take_places();
 }
 
-// The mean scale of an object's node decides.
+// Scales by the mean scale of each object.
 std::vector<ScaledMaterial> scale_thickness(const std::set<uint32_t>& thickness_varies, Content& content) {
   std::map<std::pair<uint32_t, float>, uint32_t> scaled;
   std::map<uint32_t, float> first_scale;
@@ -389,7 +391,7 @@ std::vector<ScaledMaterial> scale_thickness(const std::set<uint32_t>& thickness_
     const double* m = object.world_from_object;
     const glm::dmat3 linear(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8]);
     auto scale = static_cast<float>(elementary::cbrt(std::abs(glm::determinant(linear))));
-    // Rounding of rigid transforms is no scale, and must not make a material for each object.
+    // The rounding of rigid transforms must not make another material for each object.
     if (std::abs(scale - 1.0f) < 1e-5f) scale = 1.0f;
     scale = std::round(scale * 65536.0f) > 0.0f && scale < 64.0f ? std::round(scale * 65536.0f) / 65536.0f : scale;
     const auto [found, is_new] = scaled.try_emplace({source, scale}, source);

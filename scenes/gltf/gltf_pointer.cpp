@@ -27,7 +27,7 @@ void set_units(float* to, const glm::dvec4& v, int count) {
   for (int c = 0; c < count; ++c) to[c] = unit(v[c]);
 }
 
-// Splines swing out of a property's range: there the nearest value in range counts.
+// Describes an animated property. Splines may leave its range, and are clamped to it.
 template <typename Values>
 struct PointedProperty {
   std::string_view path;
@@ -69,7 +69,7 @@ constexpr PointedProperty<MaterialValues> material_properties[] = {
      [](MaterialValues& m, const glm::dvec4& v) { set_units(m.desc.diffuse_transmission_color, v, 3); }},
     {"extensions/KHR_materials_dispersion/dispersion", 1,
      [](MaterialValues& m, const glm::dvec4& v) { m.desc.dispersion = positive(v.x); }},
-    // 0 asks for Fresnel 1 everywhere.
+    // 0 means a Fresnel term of 1 everywhere.
     {"extensions/KHR_materials_ior/ior", 1,
      [](MaterialValues& m, const glm::dvec4& v) { m.desc.ior = v.x == 0.0 ? 1e6f : between(v.x, 1.0, 1e6); }},
     {"extensions/KHR_materials_iridescence/iridescenceFactor", 1,
@@ -131,7 +131,7 @@ const PointedProperty<Values>* find(const PointedProperty<Values> (&properties)[
   return found == std::end(properties) ? nullptr : found;
 }
 
-// Where the file names the textures of material_slots, in their order. Paths of extensions have two parts.
+// Locates a texture of material_slots in the file; the list is in their order. Paths of extensions have two parts.
 struct TexturePath {
   const char* parent;  // an extension, "pbrMetallicRoughness" or ""
   const char* key;
@@ -164,7 +164,7 @@ std::string path_of(const TexturePath& texture) {
   return (parent.starts_with("KHR_") ? "extensions/" + parent : parent) + "/" + texture.key;
 }
 
-// A property of the KHR_texture_transform of a slot.
+// Names a property of the KHR_texture_transform of a slot.
 struct TransformProperty {
   size_t slot;
   std::string name;  // offset, rotation or scale
@@ -187,7 +187,7 @@ uint32_t numbers_of_material(const std::string& path) {
   return !transform ? 0 : transform->name == "rotation" ? 1 : 2;
 }
 
-// KHR_texture_transform of a slot's textureInfo at rest.
+// Returns the KHR_texture_transform of a slot's textureInfo at rest.
 TextureTransform transform_at_rest(const File& file, const tinygltf::Material& source, const TexturePath& path) {
   const auto of = [&](const auto& info) {
     const tinygltf::Value* e = extension(info.extensions, "KHR_texture_transform");
@@ -253,7 +253,7 @@ AnimatedMaterial& animated_material(const File& file, const AnimatedValue& value
     else
       added.shown.push_back({scaled.material, scaled.scale});
   }
-  // That of the content has been scaled.
+  // The content's thickness is already scaled, so the file's is read again.
   if (const tinygltf::Value* e = extension(file.model.materials[index].extensions, "KHR_materials_volume"))
     added.rest.desc.thickness = positive(number(file, *e, "thicknessFactor", 0.0));
   return added;
@@ -358,7 +358,7 @@ void animate_values(const File& file, std::span<const AnimatedValue> values, con
         animated_camera(thing, rig, content)
             .changes.push_back({value.channel, find(camera_properties, property)->set});
   }
-  // What nodes hide goes out.
+  // Lights of nodes that are hidden at times need channels too: hidden lights are off.
   for (const ReadThing& thing : read.lights)
     if (rig.nodes[thing.node].blinks) animated_light(file, thing, rig);
 }

@@ -1,4 +1,4 @@
-// What the pointers of KHR_animation_pointer lead to. One thread.
+// Resolves the pointers of KHR_animation_pointer. One thread.
 #pragma once
 
 #include <set>
@@ -9,7 +9,7 @@
 
 namespace sideray::scenes::gltf {
 
-// "/materials/3/alphaCutoff": the property "alphaCutoff" of material 3.
+// Holds the target of a pointer: that of "/materials/3/alphaCutoff" is the property "alphaCutoff" of material 3.
 struct PointerTarget {
   enum class Kind { nothing, node, mesh, material, light, camera };
   Kind kind = Kind::nothing;
@@ -17,18 +17,17 @@ struct PointerTarget {
   std::string property;
 };
 
-// `kind` is nothing where the pointer leads to what no animation of ours changes. Throws Error where it names an
-// element that is not there, or is no pointer.
+// Returns the target, whose `kind` is nothing where we do not animate the property. Throws Error where the text is no
+// pointer or names a missing element.
 PointerTarget pointer_target(const File& file, const std::string& pointer, const std::string& user);
 
-// How many numbers a value of a material, light or camera has; 0 where the property is none that we have.
+// Returns how many numbers a value of a material, light or camera has; 0 for a property that we do not animate.
 uint32_t numbers_of(const PointerTarget& target);
 
-// The materials whose thickness some of `values` change.
+// Returns the materials whose thickness is among `values`.
 std::set<uint32_t> varying_thickness(std::span<const AnimatedValue> values);
 
-// Gives the rig what `values` change. `materials`, `lights` and `cameras` say which of the content are those of the
-// file.
+// Maps the file's materials, lights and cameras to those of the content, so that the rig can animate `values`.
 struct ReadThings {
   std::vector<ScaledMaterial> materials;
   std::vector<ReadThing> lights, cameras;

@@ -4,15 +4,15 @@
 #include "elementary/functions.h"
 #include "scenes/gltf/gltf.h"
 
-// KHR_materials_volume_scatter. What scatters inside of a body is shown as light that its surface reflects and lets
-// through diffusely, as much as a slab of the material's thickness does.
+// Reads KHR_materials_volume_scatter. Light scattered inside a body is shown as diffuse reflection and transmission of
+// its surface, as strong as those of a slab of the material's thickness.
 namespace sideray::scenes::gltf {
 namespace {
 
 constexpr const char* scatter_extension = "KHR_materials_volume_scatter";
 
-// The share of diffuse light that a slab sends back and lets through (Kubelka and Munk 1931). `albedo`: what an endless
-// one sends back; `depth`: scattering coefficient times thickness.
+// Holds the shares of diffuse light that a slab reflects and transmits (Kubelka and Munk 1931). `albedo` is the
+// reflectance of an infinite slab, `depth` the scattering coefficient times the thickness.
 struct Slab {
   double back, through;
 };
@@ -24,14 +24,14 @@ Slab slab_of(double albedo, double depth) {
   return {(1.0 - e * e) / sum, 2.0 * b * e / sum};
 }
 
-// The albedo of one event of scattering from that of many (Kulla and Conty 2017).
+// Returns the single-scattering albedo for a multiple-scattering albedo (Kulla and Conty 2017).
 double single_albedo(double multiple) {
   const double s =
       4.09712 + 4.20863 * multiple - std::sqrt(9.59217 + 41.6808 * multiple + 17.7126 * multiple * multiple);
   return std::clamp(1.0 - s * s, 0.0, 1.0);
 }
 
-// Where the light goes that falls on the surface of a body.
+// Holds the shares of the light on a surface that are reflected, transmitted diffusely, and transmitted straight.
 struct Shares {
   glm::dvec3 back, through, straight;
 };
@@ -45,7 +45,7 @@ Shares shares_of(const Scattering& scattering, const sideray_material_desc& d) {
     const double extinction = -elementary::log(color) / double{d.attenuation_distance};
     const double unscattered = elementary::exp(-extinction * thickness);
     const double albedo = scattering.color[c];
-    // Of the flux models' scattering coefficient three quarters are that of radiance, without what goes on ahead.
+    // The coefficient of the flux model is 3/4 of that of radiance, without the forward scattered part.
     const double scatters = 0.75 * single_albedo(albedo) * (1.0 - scattering.anisotropy) * extinction;
     const Slab slab = slab_of(albedo, scatters * thickness);
     const double base = double{d.base_color[c]}, behind = double{d.diffuse_transmission_color[c]};
@@ -65,7 +65,7 @@ float clamped(double value) {
   return static_cast<float>(std::clamp(value, 0.0, 1.0));
 }
 
-// Gives the material the shares by the properties that it has.
+// Sets the material's properties so that it shows these shares.
 void show(const Shares& shares, sideray_material_desc& d) {
   constexpr double least_shown = 1.0 / 255.0;
   const double straight = most_of(shares.straight), back = most_of(shares.back), through = most_of(shares.through);
@@ -92,7 +92,7 @@ std::optional<Scattering> read_scattering(const File& file, const tinygltf::Mate
   if (e->Has("multiscatterColorTexture"))
     content.warnings.push_back(fmt::format("{}: its multiscatterColorTexture is not read; give the mean of "
                                            "its colours as multiscatterColorFactor", user));
-  // Drafts and files of then call it multiscatterColor.
+  // Early drafts, and files of that time, call it multiscatterColor.
   const char* key = e->Has("multiscatterColorFactor") ? "multiscatterColorFactor" : "multiscatterColor";
   const std::vector<double> color = numbers(file, *e, key, {0, 0, 0});
   Scattering scattering{{color[0], color[1], color[2]}, number(file, *e, "scatterAnisotropy", 0.0)};

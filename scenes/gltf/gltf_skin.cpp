@@ -4,7 +4,7 @@
 #include "scenes/base/limits.h"
 #include "scenes/gltf/gltf.h"
 
-// Skins and the vertices that hang on them.
+// Reads skins, and the joints and weights of vertices.
 namespace sideray::scenes::gltf {
 namespace {
 
@@ -19,7 +19,7 @@ size_t attribute_sets(const tinygltf::Primitive& primitive) {
   return sets;
 }
 
-// Weights that are no shares become such; a vertex without any follows its first joint.
+// Divides weights by their sum. A vertex without weights follows its first joint.
 void normalize(float* weights, uint32_t count) {
   double sum = 0.0;
   for (uint32_t i = 0; i < count; ++i) {

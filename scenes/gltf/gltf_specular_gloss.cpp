@@ -41,14 +41,14 @@ uint8_t byte(double x) {
   return static_cast<uint8_t>(std::lround(std::clamp(x, 0.0, 1.0) * 255.0));
 }
 
-// A picture read at the texel centres of a larger one; without a picture every texel is white.
+// Samples a picture at the texel centres of a larger one. Without a picture every texel is white.
 class Picture {
  public:
   explicit Picture(const Decoded* pixels) : pixels_(pixels) {
     for (size_t i = 0; i < linear_.size(); ++i) linear_[i] = linear_from_srgb(static_cast<double>(i) / 255.0);
   }
 
-  // RGB in linear light, A as stored. Bilinear in linear light, edges repeated.
+  // Returns RGB in linear light and A as stored, bilinearly filtered in linear light with edges repeated.
   glm::dvec4 at(uint32_t x, uint32_t y, uint32_t width, uint32_t height) const {
     if (pixels_ == nullptr) return glm::dvec4(1.0);
     if (pixels_->width == width && pixels_->height == height) return texel(x, y);
@@ -138,7 +138,7 @@ void SpecularGlossConverter::convert(const SpecularGloss& given, const std::stri
   ++converted_;
   const TextureUse none;
   desc.base_color_texture = desc.metallic_roughness_texture = textures_.slot(none, Colors::linear, user);
-  // Below the reflectance of dielectrics nothing is metallic, whatever the diffuse texel: its texture stays as it is.
+  // A material below the reflectance of dielectrics has no metallic texels, so that its diffuse texture can stay.
   const bool is_dielectric =
       source.specular_gloss_texture.index < 0 && perceived_brightness(source.specular) < dielectric;
   if (!is_dielectric && (source.diffuse_texture.index >= 0 || source.specular_gloss_texture.index >= 0)) {
@@ -149,7 +149,7 @@ void SpecularGlossConverter::convert(const SpecularGloss& given, const std::stri
   const MetallicRoughness converted = metallic_from_specular(glm::dvec3(source.diffuse), source.specular);
   for (int c = 0; c < 3; ++c) {
     desc.base_color[c] = static_cast<float>(converted.base_color[c]);
-    // KHR_materials_specular says the remaining reflectance exactly.
+    // KHR_materials_specular gives the reflectance exactly.
     if (is_dielectric) desc.specular_color[c] = static_cast<float>(source.specular[c] / dielectric);
   }
   desc.base_color[3] = static_cast<float>(source.diffuse.a);

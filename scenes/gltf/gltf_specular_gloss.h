@@ -1,4 +1,5 @@
-// KHR_materials_pbrSpecularGlossiness as metallic-roughness. Knows tinygltf through gltf_texture.h. One thread.
+// Converts KHR_materials_pbrSpecularGlossiness to metallic-roughness. Knows tinygltf through gltf_texture.h. One
+// thread.
 #pragma once
 
 #include <map>
@@ -13,14 +14,14 @@ struct SpecularGloss {
   glm::dvec4 diffuse{1.0};  // linear, and opacity
   glm::dvec3 specular{1.0};
   double glossiness = 1.0;
-  TextureUse diffuse_texture, specular_gloss_texture;  // RGBA with RGB as sRGB; specular as sRGB, A glossiness
+  TextureUse diffuse_texture, specular_gloss_texture;  // sRGB; A of the second is glossiness
 };
 
 struct MetallicRoughness {
   glm::dvec3 base_color;
   double metallic;
 };
-// From linear diffuse and specular colours, for dielectrics that reflect 4 % head on.
+// Converts linear diffuse and specular colours, for dielectrics that reflect 4 % at normal incidence.
 MetallicRoughness metallic_from_specular(const glm::dvec3& diffuse, const glm::dvec3& specular);
 
 class SpecularGlossConverter {
@@ -36,7 +37,7 @@ class SpecularGlossConverter {
 
   Content& content_;
   TextureReader& textures_;
-  // Materials often share both pictures and factors: (diffuse image, specular image, factors) to the two textures.
+  // Maps (diffuse image, specular image, factors), which materials often share, to the two textures.
   std::map<std::tuple<int64_t, int64_t, std::vector<double>>, std::pair<uint32_t, uint32_t>> kept_;
   size_t converted_ = 0;
 };

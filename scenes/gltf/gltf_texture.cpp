@@ -17,7 +17,8 @@ sideray_texture_slot plain_slot() {
   return slot;
 }
 
-// tinygltf decodes only the media types that it knows, webp not among them, and leaves the others as names of files.
+// Returns the bytes of a data URI. tinygltf decodes only media types that it knows, not webp, and takes others for
+// names of files.
 std::vector<uint8_t> data_uri_bytes(const std::string& uri) {
   static constexpr const char* mark = ";base64,";
   const size_t at = uri.substr(0, 256).find(mark);
@@ -34,7 +35,8 @@ bool is_ktx(std::span<const uint8_t> bytes) {
   return bytes.size() > std::size(mark) && std::equal(std::begin(mark), std::end(mark), bytes.begin());
 }
 
-// Neither Debian nor a package registry has a library that decodes it; docs/gltf.md says what the command needs.
+// Returns the remedy for KTX2 images: neither Debian nor a package registry has a library that decodes them.
+// docs/gltf.md says what the command needs.
 std::string ktx_remedy(const std::string& path) {
   return fmt::format("convert it by `npx @gltf-transform/cli ktxdecompress {} decoded.glb` (docs/gltf.md, KTX2)", path);
 }
@@ -52,7 +54,7 @@ std::optional<TextureSource> TextureReader::source(const TextureUse& use, const 
   if (use.index < 0) return std::nullopt;
   const auto& textures = file_.model.textures;
   const tinygltf::Texture& texture = textures[checked_index(file_, use.index, textures.size(), "texture", user)];
-  // glTF 2.0 leaves open what a texture without a source is.
+  // glTF 2.0 does not define a texture without a source.
   if (texture.source < 0 && texture.extensions.empty()) {
     content_.warnings.push_back(fmt::format("{}: texture {} has no image; its factor is used", user, use.index));
     return std::nullopt;
@@ -70,7 +72,7 @@ std::optional<TextureSource> TextureReader::source(const TextureUse& use, const 
   return source;
 }
 
-// EXT_texture_webp goes before the fallback that the texture itself names.
+// Returns the image of a texture; EXT_texture_webp has precedence over the fallback in the texture itself.
 size_t TextureReader::image_of(const tinygltf::Texture& texture, const std::string& user) const {
   int image = texture.source;
   if (const auto* e = extension(texture.extensions, "EXT_texture_webp")) {
@@ -123,7 +125,7 @@ void TextureReader::sample(int index, sideray_texture_slot& slot, const std::str
 }
 
 uint32_t TextureReader::content_texture(const TextureSource& source, bool srgb) {
-  // Kept once it is there: a picture that cannot be read is missed again by the next material that uses it.
+  // Only successful reads are kept: a broken picture is an error again for the next material that uses it.
   if (const auto found = kept_.find({source.image, srgb}); found != kept_.end()) return found->second;
   Texture texture;
   texture.name = !source.name.empty() ? source.name : file_.model.images[source.image].name;

@@ -1,5 +1,5 @@
-// The textures of a glTF file as slots of materials: each image decoded once for each way of reading its colours. Knows
-// tinygltf and the image codecs. One thread.
+// Reads the textures of a glTF file as slots of materials. Each image is decoded once as sRGB and once as linear
+// values, where both are used. Knows tinygltf and the image codecs. One thread.
 #pragma once
 
 #include <map>
@@ -14,21 +14,21 @@ namespace sideray::scenes::gltf {
 
 enum class Colors { srgb, linear };
 
-// A textureInfo of the file; index -1 = none.
+// Holds a textureInfo of the file; index -1 = none.
 struct TextureUse {
   int index = -1;
   int uv_set = 0;
   tinygltf::ExtensionMap extensions;
 };
 
-// The image that a textureInfo points at, before its pixels are read.
+// Holds the image of a textureInfo, before its pixels are read.
 struct TextureSource {
   sideray_texture_slot slot;  // without a texture
   size_t image;
   std::string name;
 };
 
-// The values of a KHR_texture_transform.
+// Returns the values of a KHR_texture_transform.
 TextureTransform read_transform(const File& file, const tinygltf::Value& e);
 
 class TextureReader {
@@ -40,7 +40,7 @@ class TextureReader {
   std::optional<TextureSource> source(const TextureUse& use, const std::string& user) const;
   Decoded pixels(size_t image) const;
   Budget& budget() { return file_.budget; }
-  // Index + 1 into Content::textures.
+  // Adds a texture and returns its index + 1 in Content::textures.
   uint32_t add(Texture texture);
 
  private:
@@ -53,7 +53,7 @@ class TextureReader {
 
   const File& file_;
   Content& content_;
-  std::map<std::pair<size_t, bool>, uint32_t> kept_;  // image and way of reading: index + 1 into Content::textures
+  std::map<std::pair<size_t, bool>, uint32_t> kept_;  // (image, is sRGB) -> index + 1 into Content::textures
   uint64_t texels_ = 0;
 };
 

@@ -2,13 +2,13 @@
 
 #include "scenes/gltf/gltf.h"
 
-// KHR_materials_variants: materials that primitives have in place of their own.
+// Applies KHR_materials_variants: other materials for primitives.
 namespace sideray::scenes::gltf {
 namespace {
 
 constexpr const char* extension_name = "KHR_materials_variants";
 
-// The list `key` of an extension's object; its entries must be objects.
+// Returns the list `key` of an extension's object, whose entries must be objects.
 const tinygltf::Value::Array& list_of(const File& file, const tinygltf::Value& e, const char* key,
                                       const std::string& user) {
   static const tinygltf::Value::Array none;
@@ -35,7 +35,7 @@ std::vector<std::string> names_in(const File& file) {
   return names;
 }
 
-// Whether one of the variants that the mapping lists is the wanted one. All must be there.
+// Returns whether the mapping lists the wanted variant. Throws Error where it lists one that does not exist.
 bool is_for(const File& file, const tinygltf::Value& mapping, size_t wanted, size_t count, const std::string& user) {
   if (!mapping.Has("variants") || !mapping.Get("variants").IsArray())
     refuse("cannot read {}: a mapping of {} lists no variants; export it again", file.path, user);
@@ -46,7 +46,7 @@ bool is_for(const File& file, const tinygltf::Value& mapping, size_t wanted, siz
          }) > 0;
 }
 
-// The first mapping counts, where a broken file has several for one variant.
+// Sets the primitive's material to that of the wanted variant; of several, in a broken file, the first counts.
 void apply(const File& file, size_t wanted, size_t count, const std::string& user, tinygltf::Primitive& primitive) {
   const tinygltf::Value* e = extension(primitive.extensions, extension_name);
   if (e == nullptr) return;

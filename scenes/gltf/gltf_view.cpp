@@ -7,7 +7,7 @@
 #include "scenes/gltf/gltf.h"
 #include "scenes/gltf/gltf_pointer.h"
 
-// Cameras and lights: what nodes carry besides meshes.
+// Reads the cameras and lights of nodes.
 namespace sideray::scenes::gltf {
 namespace {
 
@@ -45,7 +45,7 @@ void read_perspective(const File& file, const tinygltf::PerspectiveCamera& sourc
 }
 
 void read_orthographic(const File& file, const tinygltf::OrthographicCamera& source, Camera& camera) {
-  // Signs mirror nothing in any viewer; the validator warns of them.
+  // Negative sizes mirror the picture in no viewer; the validator warns of them.
   const double half_width = std::abs(source.xmag), half_height = std::abs(source.ymag);
   check_positive(file, half_width, "xmag", camera.name);
   check_positive(file, half_height, "ymag", camera.name);
@@ -56,7 +56,7 @@ void read_orthographic(const File& file, const tinygltf::OrthographicCamera& sou
   }
   camera.camera.orthographic = 1;
   camera.camera.half_height = static_cast<float>(half_height);
-  // glTF allows znear 0 here; a small share of the range loses nothing visible.
+  // glTF allows znear 0 here, where a small share of the range differs invisibly.
   camera.camera.z_near = static_cast<float>(source.znear > 0.0 ? source.znear : 1e-6 * source.zfar);
   camera.camera.z_far = static_cast<float>(source.zfar);
   camera.aspect = static_cast<float>(half_width / half_height);
@@ -131,8 +131,8 @@ struct LightReader {
   }
 };
 
-// shadow.NAME must say which light it is (cli.md). Lights without a name, and all that share one, get their own,
-// "lightI"; a given name may be the own name of another light, and then has to go too.
+// Makes names unique, since shadow.NAME identifies a light (cli.md). Lights without a name, and all that share one, are
+// renamed to "lightI". A light that already has such a name is renamed too.
 void make_names_unique(std::vector<Light>& lights) {
   std::map<std::string, std::vector<size_t>> bearers;
   for (size_t i = 0; i < lights.size(); ++i) bearers[lights[i].name].push_back(i);
@@ -186,7 +186,7 @@ Camera read_camera(const File& file, const tinygltf::Camera& source, const Place
   return camera;
 }
 
-// Returns whether the node holds lights and cameras that can be placed. A scale of 0 leaves them no direction.
+// Returns whether lights and cameras of the node can be placed: a scale of 0 leaves them no direction.
 bool can_be_placed(const PlacedNode& placed) {
   const glm::dmat4 m = without_scale(placed.world_from_node);
   for (int i = 0; i < 12; ++i)
@@ -216,7 +216,7 @@ std::vector<ReadThing> read_cameras(const File& file, std::span<const PlacedNode
     try {
       camera = read_camera(file, source, placed, name);
     } catch (const Error& error) {
-      // Others show the scene without it, and so does this program.
+      // Like other viewers, we show the scene without the camera.
       content.warnings.push_back(fmt::format("{}; the camera is left out", reason_of(error, file)));
       continue;
     }
@@ -301,7 +301,7 @@ Content load(const std::string& path, const LoadOptions& options) {
   if (content.cameras.empty()) content.defaulted.emplace_back("camera: the file has none; the whole scene is framed");
   content.rig = rig;
   pose(content, options.time_s);
-  // A skin that nothing moves is applied once for all.
+  // Without animations skins are applied once, and the rig is not needed.
   if (rig->channels.empty() && values.empty()) content.rig.reset();
   return content;
 }

@@ -20,7 +20,7 @@
 namespace sideray::scenes {
 namespace {
 
-// To memory first: OutputFile's destructor hides a failed write of the line offsets.
+// Writes to memory: with a file, OutputFile's destructor would hide a failed write of the line offsets.
 class MemoryStream : public Imf::OStream {
  public:
   explicit MemoryStream(const char* name) : OStream(name) {}
@@ -72,7 +72,7 @@ Plane plane_for(const char* name, const Imf::Channel& channel, const Window& dat
   return plane;
 }
 
-// From the data window's rectangle to the display window's; pixels without data become 0.
+// Moves pixels from the data window to the display window; pixels without data become 0.
 template <typename T>
 std::vector<T> moved_to_display(const std::vector<T>& from, const Window& data, const Window& display) {
   std::vector<T> to(display.width * display.height, T{0});
@@ -124,7 +124,7 @@ Image read_planes(const std::string& path) {
   return image;
 }
 
-// Infinite and too large values end at the largest half: a viewer's arithmetic turns infinities into black or NaN.
+// Clamps to the largest half, since viewers turn infinities into black or NaN.
 half clamped_half(float value) {
   return std::isnan(value) ? half::qNan() : half(std::clamp(value, -65504.0f, 65504.0f));
 }
@@ -142,8 +142,8 @@ void check_planes(const std::string& path, const Image& image) {
   }
 }
 
-// OpenEXR 3.1 goes on where zlib finds no memory, and leaves blocks of rows out. Each block is the number of its first
-// row, of its bytes, and these.
+// Returns whether no block of rows is missing: where zlib finds no memory, OpenEXR 3.1 skips blocks silently. A block
+// is the number of its first row, the number of its bytes, and the bytes.
 bool has_all_blocks(const MemoryStream& stream, uint64_t position, uint32_t rows) {
   constexpr uint64_t before_bytes = 2 * sizeof(int32_t);
   constexpr uint32_t rows_of_block = 16;  // of ZIP_COMPRESSION
@@ -184,7 +184,7 @@ void encode_exr(MemoryStream& stream, const Image& image) {
   if (!has_all_blocks(stream, first_block, image.height)) throw std::bad_alloc();
 }
 
-// OpenEXR's words without its own "Cannot read image file "path".", which our line already says.
+// Returns OpenEXR's message without its own "Cannot read image file "path".", which our line already says.
 std::string reason(const std::exception& error) {
   std::string text = error.what();
   std::replace(text.begin(), text.end(), '\n', ' ');
@@ -198,7 +198,7 @@ std::string reason(const std::exception& error) {
 }  // namespace
 
 Image read_exr(const std::string& path) {
-  // Opening by our own reader first gives the same words for missing files, folders and pipes as everywhere.
+  // Our own reader comes first, for our usual messages about missing files, folders and pipes.
   read_file(path, limits::picture_file_bytes);
   bool tiled = false, deep = false, multi_part = false;
   if (!Imf::isOpenExrFile(path.c_str(), tiled, deep, multi_part)) {

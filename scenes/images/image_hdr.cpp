@@ -6,8 +6,8 @@
 #include "scenes/base/files.h"
 #include "scenes/images/image_codecs.h"
 
-// Own reader: the format is small, and stb_image 2.27 loops for ever on a file that ends inside a run.
-// G. Ward, "Real Pixels", Graphics Gems II, 1991, and the run lengths of Radiance's color.c.
+// Reads Radiance files by our own code: the format is small, and stb_image 2.27 loops forever on a file that ends
+// inside a run. G. Ward, "Real Pixels", Graphics Gems II, 1991, and the run lengths of Radiance's color.c.
 namespace sideray::scenes {
 namespace {
 

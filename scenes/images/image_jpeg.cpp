@@ -19,7 +19,7 @@ using Codec = std::unique_ptr<void, DestroyCodec>;
   refuse("cannot read {}: {}; write the file again", what, tjGetErrorStr2(decoder));
 }
 
-// As written by Adobe: 255 is no ink.
+// Converts CMYK as Adobe writes it, inverted: 255 is no ink.
 void convert_cmyk(std::vector<uint8_t>& pixels) {
   for (size_t i = 0; i < pixels.size(); i += 4) {
     const uint32_t key = pixels[i + 3];
@@ -28,7 +28,7 @@ void convert_cmyk(std::vector<uint8_t>& pixels) {
   }
 }
 
-// A few kilobytes of progressive scans can ask for hours, each of them for a pass over the picture.
+// Counts the scans, each of which takes a pass over the picture: a few kilobytes of them can take hours.
 uint64_t scans_of(std::span<const uint8_t> bytes) {
   constexpr uint8_t start_of_scan = 0xda;
   uint64_t scans = 0;
@@ -36,7 +36,7 @@ uint64_t scans_of(std::span<const uint8_t> bytes) {
   return scans;
 }
 
-// Of all colours of a texel.
+// Returns the bytes of all coefficients of a texel.
 uint64_t coefficient_bytes(int subsampling) {
   switch (subsampling) {
     case TJSAMP_GRAY:
@@ -59,7 +59,7 @@ bool is_jpeg(std::span<const uint8_t> bytes) {
 }
 
 Decoded decode_jpeg(std::span<const uint8_t> bytes, const std::string& what, Budget* budget) {
-  // A decoder fills what is missing with grey; a JPEG that was cut lacks its end marker.
+  // A truncated JPEG lacks its end marker. The decoder would fill the missing part with grey.
   static constexpr uint8_t end_of_image[] = {0xff, 0xd9};
   if (std::search(bytes.rbegin(), bytes.rend(), std::rbegin(end_of_image), std::rend(end_of_image)) == bytes.rend()) {
     refuse("cannot read {}: the file ends too early; write the file again", what);
@@ -76,7 +76,8 @@ Decoded decode_jpeg(std::span<const uint8_t> bytes, const std::string& what, Bud
   if (scans * texels > limits::jpeg_scan_texels)
     refuse("cannot read {}: its {} scans go over {} x {} pixels too often; write it again as a baseline JPEG", what,
            scans, width, height);
-  // With several scans the decoder keeps the coefficients of the whole picture, two bytes each of up to four colours.
+  // With several scans the decoder keeps the coefficients of the whole picture: two bytes for each of up to four
+  // colours.
   take_texels(budget, static_cast<uint64_t>(width), static_cast<uint64_t>(height),
               scans > 1 ? coefficient_bytes(subsampling) : 0, what);
   const bool is_cmyk = colours == TJCS_CMYK || colours == TJCS_YCCK;
@@ -84,7 +85,7 @@ Decoded decode_jpeg(std::span<const uint8_t> bytes, const std::string& what, Bud
   decoded.rgba.resize(size_t{4} * decoded.width * decoded.height);
   const int status = tjDecompress2(decoder.get(), bytes.data(), size, decoded.rgba.data(), width, 0, height,
                                    is_cmyk ? TJPF_CMYK : TJPF_RGBA, 0);
-  // Warnings are of pictures that every viewer shows, such as bytes between segments.
+  // Every viewer shows pictures that cause only warnings, such as for bytes between segments.
   if (status != 0 && tjGetErrorCode(decoder.get()) != TJERR_WARNING) refuse_decoding(decoder.get(), what);
   if (is_cmyk) convert_cmyk(decoded.rgba);
   return decoded;

@@ -7,8 +7,8 @@
 #include "scenes/base/files.h"
 #include "scenes/images/image_codecs.h"
 
-// libpng reports errors by longjmp. Every function below that calls setjmp holds no object with a destructor; all
-// owners live in the callers.
+// Reads and writes PNG. libpng reports errors by longjmp, so functions below that call setjmp hold no object with a
+// destructor; callers own everything.
 namespace sideray::scenes {
 namespace {
 
@@ -57,7 +57,7 @@ void on_write(png_structp png, png_bytep bytes, size_t count) {
 
 void on_flush(png_structp) {}
 
-// Called after each row: a few kilobytes can be gigabytes of them.
+// Checks the budget after each row: a few kilobytes can decode to gigabytes.
 void on_row(png_structp png, png_uint_32, int) {
   const auto* session = static_cast<Session*>(png_get_error_ptr(png));
   if (session->budget != nullptr && session->budget->is_late()) png_error(png, "late");
@@ -127,7 +127,7 @@ bool is_png(std::span<const uint8_t> bytes) {
 
 namespace {
 
-// Reads up to the first row of a picture whose size is no trouble.
+// Reads the header, and checks the size.
 void begin_reading(Session& session, std::span<const uint8_t> bytes, const std::string& what) {
   if (!is_png(bytes)) refuse("cannot read {}: it is not a PNG file; check what wrote it", what);
   session.input = bytes;
@@ -136,7 +136,7 @@ void begin_reading(Session& session, std::span<const uint8_t> bytes, const std::
                    what);
 }
 
-// Reads all rows in the form wanted.
+// Reads all rows in the wanted form.
 std::vector<uint8_t> read_samples(Session& session, Samples wanted, const std::string& what) {
   if (!set_up_transforms(session, wanted)) refuse("cannot read {}: {}; write the file again", what, session.message);
   const size_t row_bytes = png_get_rowbytes(session.png, session.info);
@@ -185,7 +185,7 @@ std::vector<uint8_t> encode_png(uint32_t width, uint32_t height, uint32_t channe
   std::vector<uint8_t> bytes;
   Session session(true);
   session.output = &bytes;
-  // libpng only reads the rows it writes; its interface lacks the const.
+  // libpng does not change the rows that it writes; its interface lacks the const.
   std::vector<png_bytep> rows = row_pointers(const_cast<uint8_t*>(pixels.data()), height, row_bytes);
   if (!write_rows(session, width, height, channels, rows.data())) {
     refuse("cannot write {}: {}; make the picture smaller", what, session.message);

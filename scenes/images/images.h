@@ -1,4 +1,4 @@
-// Image files: PNG, OpenEXR, Radiance .hdr. Files are written whole or not at all. Any thread.
+// Reads and writes image files: PNG, OpenEXR, Radiance .hdr. Files are written whole or not at all. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -25,21 +25,22 @@ struct Image {
   const Plane* find(const std::string& name) const;
 };
 
-// By extension: .png, .exr, .hdr. Throws Error naming the file, what is wrong and the remedy.
+// Reads an image by its extension: .png, .exr, .hdr. Throws Error, which names the file, the cause and the remedy.
 Image read_image(const std::string& path);
 
-// Scanline, ZIP; data window = display window.
+// Writes scanlines with ZIP compression; the data window is the display window.
 void write_exr(const std::string& path, const Image& image);
 
-// `rgb`: 8 bits a channel, top row first, width * height * 3.
+// Writes `rgb`: 8 bits a channel, top row first, width * height * 3.
 void write_png(const std::string& path, uint32_t width, uint32_t height, std::span<const uint8_t> rgb);
 
-// The bytes of a PNG file; `channels` 3 (RGB) or 4 (RGBA), 8 bits each, top row first. `what` names it in an Error.
+// Returns the bytes of a PNG file of `channels` 3 (RGB) or 4 (RGBA), 8 bits each, top row first. `what` names it in an
+// Error.
 std::vector<uint8_t> encode_png(uint32_t width, uint32_t height, uint32_t channels, std::span<const uint8_t> pixels,
                                 const std::string& what);
 
-// Decodes PNG, JPEG or WebP bytes to RGBA8. Throws Error; `what` names the picture in it. `budget`, where there is one,
-// gives the memory and the time, and is left without what the pixels take.
+// Decodes PNG, JPEG or WebP bytes to RGBA8. Throws Error, in which `what` names the picture. `budget`, if any, limits
+// time and memory, and the pixels are taken from it.
 struct Decoded {
   uint32_t width, height;
   std::vector<uint8_t> rgba;
@@ -47,14 +48,14 @@ struct Decoded {
 Decoded decode_image(std::span<const uint8_t> bytes, const std::string& what, Budget* budget = nullptr);
 
 enum class Tonemap { none, reinhard, aces, aces_filmic, pbr_neutral };
-inline constexpr const char* tonemap_names[] = {"none", "reinhard", "aces", "aces-filmic", "pbr-neutral"};  // by its values
-// Throws Error where there is no such name.
+inline constexpr const char* tonemap_names[] = {"none", "reinhard", "aces", "aces-filmic", "pbr-neutral"};  // by value
+// Returns the tone map of this name. Throws Error where there is none.
 Tonemap tonemap_named(const std::string& name);
 
-// PNG values of a linear image (cli.md): sRGB_OETF(tonemap(2^ev * L)), unquantized, three floats a pixel. A display
-// image comes back as it is.
+// Returns the PNG values of a linear image (cli.md): sRGB_OETF(tonemap(2^ev * L)), unquantized, three floats a pixel.
+// Those of a display image are its own.
 std::vector<float> display_values(const Image& image, float exposure_ev, Tonemap tonemap);
-// Round half up to 8 bits.
+// Rounds half up to 8 bits.
 std::vector<uint8_t> quantize(std::span<const float> display);
 
 }  // namespace sideray::scenes

@@ -27,8 +27,8 @@ double aces(double x) {
   return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
 }
 
-// three.js's ACESFilmicToneMapping: S. Hill's fit of the ACES reference and output transforms, which turns colours to grey as
-// they get bright, of 1 / 0.6 of the radiance.
+// ACESFilmicToneMapping of three.js: S. Hill's fit of the ACES reference and output transforms, of the radiance divided
+// by 0.6. Bright colours become grey.
 Color aces_filmic(Color color) {
   using Rows = std::array<Color, 3>;
   constexpr Rows into{{{0.59719, 0.35458, 0.04823}, {0.07600, 0.90834, 0.01566}, {0.02840, 0.13383, 0.83777}}};
@@ -38,7 +38,7 @@ Color aces_filmic(Color color) {
     for (size_t i = 0; i < 3; ++i) product[i] = rows[i][0] * c[0] + rows[i][1] * c[1] + rows[i][2] * c[2];
     return product;
   };
-  for (double& c : color) c = std::min(c / 0.6, 1e6);  // beyond that the fit is flat, and its squares are finite
+  for (double& c : color) c = std::min(c / 0.6, 1e6);  // above that the fit is constant; finite squares
   color = times(into, color);
   for (double& c : color) c = (c * (c + 0.0245786) - 0.000090537) / (c * (0.983729 * c + 0.4329510) + 0.238081);
   return times(out, color);

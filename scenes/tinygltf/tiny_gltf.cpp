@@ -1,4 +1,4 @@
-// The one translation unit that holds tinygltf's implementation.
+// The only translation unit with tinygltf's implementation.
 #include <nlohmann/json.hpp>
 
 #define TINYGLTF_IMPLEMENTATION

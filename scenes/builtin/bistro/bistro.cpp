@@ -32,7 +32,7 @@ void add_cameras(ContentBuilder& b) {
                                    {"window", {0.2, 1.35, -0.9}, {-0.9, 1.15, -4.0}, 55.0f},
                                    {"overview", {-3.6, 2.6, 4.6}, {1.6, 0.7, -1.6}, 62.0f}};
   for (const View& v : views) b.camera(v.name, look_at(&v.eye.x, &v.target.x, v.fov_deg));
-  // Past the laid tables at a walk, a centimetre and a half a frame.
+  // Moves past the laid tables at walking speed, 1.5 cm a frame.
   const glm::dvec3 eye(-1.75, 1.12, 3.0), target(0.6, 1.0, -2.2);
   b.dolly("dolly", look_at(&eye.x, &target.x, 42.0f), {0.9, 0.06, -1.5}, 4.0);
 }
@@ -57,7 +57,7 @@ Content make_bistro(const Numbers& numbers) {
   bistro::add_plant(kit, "2", {-3.5f, 0.0f, 1.0f}, 1.15f, 20);
   bistro::add_particles(kit);
   Content content = kit.b.take();
-  while (content.lights.size() > lamps) content.lights.pop_back();  // what they hang on stays, and glows
+  while (content.lights.size() > lamps) content.lights.pop_back();  // the lamps' meshes stay, and glow
   return content;
 }
 

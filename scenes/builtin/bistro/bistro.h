@@ -17,8 +17,8 @@ namespace sideray::scenes::bistro {
 constexpr float left_x = -4.0f, right_x = 4.7f, window_z = -4.0f, back_z = 5.0f, ceiling_y = 3.3f;
 constexpr float table_y = 0.75f;
 constexpr glm::vec3 warm(1.0f, 0.64f, 0.33f);  // of lamplight
-// The environment is an open daylight sky, and nothing shields diffuse surfaces from it: what is left of it at dusk,
-// inside and in the street, is said by their occlusion.
+// The environment is an open daylight sky, and nothing occludes diffuse surfaces from it. Their occlusion textures
+// reduce it to dusk, inside and in the street.
 constexpr float room_ambient = 0.22f, street_ambient = 0.6f;
 
 struct Materials {
@@ -40,11 +40,11 @@ struct Materials {
   std::array<uint32_t, 3> facades;
 };
 
-// Meshes made once and placed often, by name.
+// Holds meshes by name, each made once and placed often.
 class Kit {
  public:
   explicit Kit(uint32_t scene_seed) : seed(scene_seed) {}
-  // A random number of what is being made and where: no order of calls changes it.
+  // Returns a random number that depends on its arguments and `seed`, not on the order of calls.
   float random(uint32_t what, uint32_t which = 0) const { return hash01(what, which, seed); }
   template <typename Make>
   uint32_t mesh(const std::string& name, const Make& make) {
@@ -56,8 +56,8 @@ class Kit {
   ContentBuilder b{"bistro"};
   Materials m{};
   uint32_t seed;
-  std::vector<glm::vec3> candles;  // that stand somewhere
-  uint32_t coarseness = 1;         // of glassware made now: 0 on the camera's table, 2 on the far shelves
+  std::vector<glm::vec3> candles;  // positions of those already placed
+  uint32_t coarseness = 1;         // of the next glassware: 0 on the camera's table, 2 on the far shelves
 
  private:
   std::map<std::string, uint32_t> meshes_;
@@ -68,7 +68,7 @@ void add_room(Kit& kit);
 void add_windows(Kit& kit);
 void add_street(Kit& kit);
 void add_bar(Kit& kit);
-// The lamps of room and tables, and that many small ones under the ceiling.
+// Adds the lamps of room and tables, and `small_bulbs` small ones under the ceiling.
 void add_lamps(Kit& kit, uint32_t small_bulbs = 0);
 
 struct TablePlace {
@@ -76,19 +76,19 @@ struct TablePlace {
   float turn_deg;
   int chairs;
 };
-// `bottles`: how many stand on each table.
+// Adds a table with `bottles` bottles on it.
 void add_table(Kit& kit, int index, const TablePlace& place, int bottles);
 
-// Glassware. Each adds closed solids that stand on `at`; names end in `suffix`.
+// The functions for glassware add closed solids that stand on `at`, with names that end in `suffix`.
 enum class Glass { red_wine, white_wine, flute, coupe, tumbler, tall, snifter, carafe, decanter };
 enum class Bottle { bordeaux, burgundy, spirit, flask };
-// `drink`: an index into Materials::drinks, or -1 for an empty glass. `fill`: 0..1 of what one pours.
+// `drink` is an index into Materials::drinks, or -1 for an empty glass; `fill` 1 is the usual height.
 void add_glass(Kit& kit, Glass glass, const std::string& suffix, glm::vec3 at, int drink, float fill = 1.0f);
 void add_bottle(Kit& kit, Bottle bottle, const std::string& suffix, glm::vec3 at, int tint, int label, float fill,
                 float turn_deg);
-// A votive: a tumbler with wax and a flame in it.
+// Adds a votive candle: a tumbler with wax and a flame in it.
 void add_candle(Kit& kit, const std::string& suffix, glm::vec3 at);
-// Flames on the candles that have been added, smoke and steam.
+// Adds flames on the candles placed so far, smoke and steam.
 void add_particles(Kit& kit);
 void add_plant(Kit& kit, const std::string& suffix, glm::vec3 at, float height, uint32_t leaves);
 

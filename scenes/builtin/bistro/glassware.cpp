@@ -13,8 +13,8 @@ using glm::vec2;
 using glm::vec3;
 using Curve = std::vector<vec2>;  // (radius, height)
 
-// A vessel: its outer wall from the middle of the foot to the rim, how thick the wall is, where the inside begins, and
-// how high one pours.
+// Describes a vessel: its outer wall from the middle of the foot to the rim, the wall's thickness, the height of the
+// inner bottom, and the height of a usual filling.
 struct Vessel {
   const char* name;
   Curve outer;
@@ -272,7 +272,7 @@ Curve outer_wall(const Vessel& v) {
   return curve;
 }
 
-// The outer wall moved inward by `depth`, from the height `floor` upward.
+// Returns the outer wall above the height `floor`, moved inward by `depth`.
 Curve inside(const Curve& outer, float depth, float floor) {
   Curve curve;
   for (size_t i = 1; i < outer.size(); ++i) {
@@ -295,8 +295,8 @@ Shape vessel_shape(const Vessel& v) {
   return Shape().lathe({}, profile, v.segments, 50.0f);
 }
 
-// The liquid reaches half way into the wall: along a ray its surface and the glass's inner surface keep one order, and
-// no gap of air lies between them.
+// Returns the liquid, which reaches half way into the wall: so rays hit its surface and the glass's inner surface in
+// one order, and no gap of air is between them.
 Shape liquid_shape(const Vessel& v, float height) {
   const Curve wall = inside(outer_wall(v), 0.5f * v.wall, v.floor - 0.5f * v.wall);
   Curve profile = {{0, v.floor - 0.5f * v.wall}};
@@ -325,7 +325,7 @@ void add_liquid(Kit& kit, const Vessel& v, const std::string& suffix, vec3 at, u
   kit.b.object("drink" + suffix, mesh, material, glm::dvec3(at));
 }
 
-// A label around a third of the bottle, a hair off the glass.
+// Returns a label around a third of the bottle, just off the glass.
 Shape label_shape(float radius, float low, float high) {
   return Shape().sheet(14, 1, [=](float u, float v) {
     const float angle = glm::radians(-75.0f + 150.0f * u);

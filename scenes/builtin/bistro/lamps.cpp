@@ -13,7 +13,8 @@ namespace {
 
 using glm::vec3;
 
-// A bell of glass, open below: outer wall up, neck, inner wall down. Its middle is the lamp's.
+// Returns a glass bell that is open below: its profile is the outer wall up, the neck, and the inner wall down. The
+// lamp is at its origin.
 Shape bell() {
   std::vector<glm::vec2> outer = smooth_curve(
       {{0.175f, -0.10f}, {0.168f, -0.06f}, {0.135f, 0.02f}, {0.085f, 0.085f}, {0.045f, 0.12f}, {0.030f, 0.15f}}, 3);
@@ -28,7 +29,7 @@ Shape bell() {
 
 void hang(Kit& kit, const std::string& name, vec3 at, bool linen) {
   const glm::dvec3 place(at);
-  // A long neck: the socket's shadow on the ceiling is small.
+  // A long neck keeps the socket's shadow on the ceiling small.
   const uint32_t bulb = kit.mesh("bulb", [] {
     return Shape().lathe({},
                          smooth_curve({{0, -0.052f},
@@ -98,7 +99,7 @@ sideray_light lamp(vec3 at, float candela, float range, float radius) {
   return light;
 }
 
-// Of a small bulb: as bright as this, but all together no brighter than that.
+// The brightness of a small bulb, and the most of all of them together.
 constexpr float brightest_bulb = 0.15f, all_bulbs = 12.0f;  // candela
 
 uint32_t glowing_bulb(Kit& kit) {
@@ -108,8 +109,8 @@ uint32_t glowing_bulb(Kit& kit) {
   return kit.b.material("small bulb", glow);
 }
 
-// Hangs bulbs on thin cords under the ceiling, each with its light drawn out from it, where it is in nothing's way. Where
-// one hangs depends on its own number alone: others leave it there.
+// Hangs bulbs on thin cords under the ceiling, each with its light just below it, where nothing occludes it. The place
+// of a bulb depends on its number alone, so that a larger `count` moves none.
 void add_small_bulbs(Kit& kit, uint32_t count) {
   constexpr float radius = 0.012f;  // of bulb and light
   const uint32_t material = glowing_bulb(kit);
@@ -130,7 +131,7 @@ void add_small_bulbs(Kit& kit, uint32_t count) {
   }
 }
 
-// One shadow map, where a lamp that shines all around needs six.
+// Returns a spot light, which needs one shadow map where a point light needs six.
 sideray_light cone(vec3 at, vec3 direction, float candela, float range, float radius) {
   sideray_light light = spot_light(at, direction, warm * candela, range, 60.0f);
   light.radius = radius;
@@ -143,8 +144,8 @@ void add_lamps(Kit& kit, uint32_t small_bulbs) {
   struct Pendant {
     vec3 at;
     bool linen;
-    float candela;  // 0: it glows, and its light is counted to a neighbour
-    bool down;      // lights only what is below it, a third of the cost
+    float candela;  // 0: it glows, and a neighbouring light includes its light
+    bool down;      // lights only objects below it, for a third of the cost
   };
   static constexpr Pendant pendants[] = {
       {{-1.15f, 1.92f, 1.45f}, false, 5.2f, false}, {{0.85f, 1.86f, -0.45f}, false, 6.4f, false},
@@ -166,9 +167,9 @@ void add_lamps(Kit& kit, uint32_t small_bulbs) {
   kit.b.light("bar", cone({3.34f, 2.05f, -0.9f}, {0.35f, -1.0f, 0.0f}, 12.0f, 6.0f, 0.15f));
   for (int i = 0; i < 3; ++i) add_sconce(kit, i, {left_x + 0.02f, 1.85f, 3.75f - 2.3f * static_cast<float>(i)}, 90.0f);
   add_sconce(kit, 3, {right_x - 0.02f, 1.80f, -3.72f}, -90.0f);
-  // Drawn out from the globe, or its light on the wall would be a small spot.
+  // The light is in front of the globe: nearer, it would make a small spot on the wall.
   kit.b.light("sconce", cone({right_x - 0.50f, 1.90f, -3.60f}, {1, 0.1f, -0.2f}, 2.0f, 4.0f, 0.085f));
-  // The flame of the first table's candle; tables.cpp stands it there.
+  // The flame of the first table's candle, which tables.cpp places.
   kit.b.light("candle", lamp({-1.298f, 0.808f, 1.720f}, 0.20f, 1.6f, 0.006f));
   if (small_bulbs > 0) add_small_bulbs(kit, small_bulbs);
 }

@@ -37,7 +37,7 @@ class Palette {
   }
 
  private:
-  // Untextured, `ambient` of the environment's light reaching it.
+  // Returns an untextured material that gets the share `ambient` of the environment's light.
   Desc dim(vec3 color, float roughness, float ambient = room_ambient) const {
     Desc d = opaque_material(color, roughness);
     d.occlusion_texture.texture = shade_;
@@ -151,7 +151,7 @@ class Palette {
       set(d.emissive, radiance);
       return d;
     };
-    // The lights stand inside these: what is translucent lets some of their light out.
+    // The lights are inside these objects: a translucent material lets some of their light out.
     const auto frosted = [&](const char* name, vec3 radiance) {
       Desc d = glowing(radiance, 0.55f);
       d.transmission = 0.4f;
@@ -168,8 +168,8 @@ class Palette {
     m_.flame = b_.material("flame", flame, RayTraced::no);
   }
 
-  // A solid of glass: white light keeps `tint` after `distance` metres of it; `wall` is what one surface stands for.
-  // Only faces toward the eye are drawn: the outside of the near wall, the inside of the far one.
+  // Returns solid glass in which white light becomes `tint` after `distance` metres; `wall` is the thickness that one
+  // surface stands for. Only faces toward the eye are drawn: the outside of the near wall, the inside of the far one.
   static Desc solid(vec3 tint, float distance, float wall, float ior, float roughness) {
     Desc d = glass_material({0.965f, 0.98f, 0.975f}, roughness);
     d.double_sided = 0;
@@ -196,7 +196,7 @@ class Palette {
     static constexpr vec3 tints[] = {
         {0.34f, 0.012f, 0.03f}, {0.94f, 0.78f, 0.36f}, {0.80f, 0.33f, 0.05f}, {0.62f, 0.80f, 0.20f}};
     static constexpr const char* names[] = {"red wine", "white wine", "cognac", "absinthe"};
-    // Most of a drink's surface meets glass, not air, and reflects a tenth of what it would in air.
+    // Most of a drink's surface touches glass, not air, and reflects a tenth as much as it would in air.
     const auto drink = [&](const char* name, vec3 tint, float distance, float ior) {
       Desc d = solid(tint, distance, 0.04f, ior, 0.02f);
       d.specular = 0.25f;
@@ -206,7 +206,8 @@ class Palette {
     m_.water = drink("water", {0.93f, 0.97f, 0.98f}, 0.1f, 1.333f);
   }
 
-  // Alpha-blended as older content has it. Premultiplied: the colour is what the pane itself adds.
+  // Returns an alpha-blended pane, as in older content. Alpha is premultiplied: `color` is the light that the pane
+  // adds.
   Desc pane(vec3 color, float alpha) {
     Desc d = opaque_material(color * alpha, 0.04f);
     d.base_color[3] = alpha;
@@ -225,7 +226,7 @@ class Palette {
       Desc d = glass_material(tints[i], 0.10f);
       m_.stained[i] = b_.material(names[i], d, RayTraced::yes);
     }
-    // A silvered pane: it covers what is behind it, and is blended so that it can be ray traced as a layer.
+    // A silvered pane is opaque, but blended so that it can be ray traced as a layer.
     Desc mirror = pane({0.62f, 0.56f, 0.48f}, 1.0f);
     mirror.metallic = 1.0f;
     m_.mirror = b_.material("antique mirror", mirror, RayTraced::yes);

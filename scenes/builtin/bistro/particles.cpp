@@ -25,7 +25,7 @@ struct Books {
   uint32_t smoke, flame;
 };
 
-// A thread of smoke that widens and frays, lit by the lamps.
+// Adds a thread of smoke that widens and frays, lit by the lamps.
 void add_smoke(Kit& kit, const std::string& name, vec3 at, int count, const Books& books) {
   kit.b.particles("smoke " + name, glm::dvec3(at),
                   fmt::format(R"({{"count": {}, "lifetime": [4.5, 6], "start": "sphere", "radius": 0.004,
@@ -37,7 +37,7 @@ void add_smoke(Kit& kit, const std::string& name, vec3 at, int count, const Book
                   books.smoke);
 }
 
-// Few pictures of one flame, laid over each other, and the glow around them.
+// Adds a flame of a few overlapping sprites, and the glow around it.
 void add_flame(Kit& kit, const std::string& name, vec3 at, const Books& books) {
   const uint32_t seed = kit.seed * 131u + static_cast<uint32_t>(1e3f * (at.x + 5.0f)) * 7u;
   kit.b.particles("flame " + name, glm::dvec3(at + vec3(0, 0.064f, 0)),
@@ -62,13 +62,13 @@ void add_particles(Kit& kit) {
   const Books books{paint_smoke(kit.b), paint_flame(kit.b)};
   for (size_t i = 0; i < kit.candles.size(); ++i) add_flame(kit, std::to_string(i), kit.candles[i], books);
   const uint32_t tray = kit.mesh("ashtray", ashtray);
-  // Among the glasses of the table before the camera, and on the one next to the bar.
+  // On the table in front of the camera, among its glasses, and on the table next to the bar.
   const vec3 places[] = {{-1.235f, table_y, 1.545f}, {2.03f, table_y, -2.44f}};
   for (size_t i = 0; i < std::size(places); ++i) {
     kit.b.object(fmt::format("ashtray{}", i), tray, kit.m.china, glm::dvec3(places[i]));
     add_smoke(kit, std::to_string(i), places[i] + vec3(0, 0.012f, 0), 900, books);
   }
-  // Steam from a grating in the street, behind the window panes.
+  // Steam rises from a grating in the street, behind the window panes.
   kit.b.particles("steam", {-0.6, -0.1, -8.2},
                   fmt::format(R"({{"count": 700, "lifetime": [4, 6], "start": "box", "box": [1.6, 0, 0.5],
     "velocity": [0.1, 0.55, 0], "spread": 0.12, "acceleration": [0.05, 0.02, 0], "drag": 0.3, "turbulence": 0.3,
@@ -77,7 +77,7 @@ void add_particles(Kit& kit) {
     "soft_distance": 0.4, "lit": true, "seed": {}}})",
                               kit.seed + 21),
                   books.smoke);
-  // Dust that the lamps catch.
+  // Dust is lit by the lamps.
   kit.b.particles("dust", {0.3, 1.6, 0.2},
                   fmt::format(R"({{"count": 600, "lifetime": [6, 9], "start": "box", "box": [7, 2.4, 8],
     "spread": 0.03, "turbulence": 0.15, "turbulence_hz": 0.15, "size": [0.004], "size_variation": 0.6,

@@ -11,7 +11,7 @@ namespace {
 
 using glm::vec3;
 
-// A blade that bends over: from the origin, along +z, tip down.
+// Returns a blade that starts at the origin, bends over along +z and ends with its tip down.
 Shape blade(float length, float width) {
   return Shape().sheet(6, 12, [=](float u, float v) {
     const float across = u - 0.5f, taper = elementary::pow(elementary::sin(glm::pi<float>() * (0.06f + 0.92f * v)), 0.75f);

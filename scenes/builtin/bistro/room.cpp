@@ -18,7 +18,7 @@ constexpr float dado_y = 0.98f, sill_y = 0.55f, transom_y = 2.28f, head_y = 2.80
 constexpr int bays = 5;
 constexpr float bay = (right_x - left_x) / bays;
 
-// Panelling of a wall of length `length` along +x at z = 0, facing +z.
+// Returns wall panelling of the given length along +x at z = 0, facing +z.
 Shape wainscot(float length) {
   Shape s;
   s.quad({0, 0, 0.006f}, {length, 0, 0.006f}, {length, dado_y, 0.006f}, {0, dado_y, 0.006f}, {length, 1});
@@ -35,7 +35,7 @@ Shape wainscot(float length) {
   return s;
 }
 
-// Puts what was made along +x, facing +z, at `at`, turned about the vertical.
+// Returns the placement at `at`, turned about the vertical, of an object made along +x and facing +z.
 glm::dmat4 facing(vec3 at, float turn_deg) {
   return rotated(glm::translate(glm::dmat4(1.0), glm::dvec3(at)), glm::radians(double{turn_deg}),
                      glm::dvec3(0, 1, 0));
@@ -97,7 +97,7 @@ void hang_picture(Kit& kit, const std::string& name, vec3 middle, float turn_deg
   kit.b.object(name, kit.b.mesh(canvas, name), picture, facing(middle, turn_deg));
 }
 
-// A curtain gathered by a band: wide above and below, narrow at the band.
+// Returns a curtain that a band gathers: wide above and below, narrow at the band.
 Shape curtain(float width, float top, float bottom) {
   return Shape().sheet(84, 12,
                        [=](float u, float v) {
@@ -193,7 +193,7 @@ void add_windows(Kit& kit) {
   const Shape rod =
       Shape().tube({{left_x + 0.02f, transom_y, rod_z}, {right_x - 0.02f, transom_y, rod_z}}, 0.012f, 12, 1);
   kit.b.object("curtain rod", kit.b.mesh(rod, "curtain rod"), kit.m.brass);
-  // The gold letters read from the street, so they are mirrored in here.
+  // The gold letters are to be read from the street, so they are mirrored inside.
   constexpr float sign_z = window_z - 0.012f;
   const float x = left_x + 2.0f * bay, y = 1.86f;
   const Shape sign = Shape().quad({x + bay - 0.08f, y, sign_z}, {x + 0.08f, y, sign_z}, {x + 0.08f, y + 0.39f, sign_z},

@@ -19,7 +19,7 @@ struct House {
   float front_z;
 };
 
-// A gap at x -4..0 lets the dusk in: a side street.
+// The gap at x -4..0 is a side street that lets the dusk in.
 constexpr House houses[] = {{-34, -24, 9.5f, 0, 3, 5, street_z},   {-24, -14, 7.5f, 1, 2, 5, street_z},
                             {-14, -4.2f, 8.6f, 2, 3, 5, street_z}, {0.4f, 7.6f, 7.4f, 1, 2, 4, street_z},
                             {7.6f, 16, 9.4f, 0, 3, 4, street_z},   {16, 27, 8.0f, 2, 2, 6, street_z},
@@ -54,7 +54,7 @@ void add_house(Kit& kit, int index, const House& h) {
         trim.bevelled_box({x + side * (w + 0.05f) - 0.05f, y, front_z},
                           {x + side * (w + 0.05f) + 0.05f, y + tall, front_z + 0.06f}, 0.015f, 0.3f);
     }
-  // The ground floor: a shop window and a door under an awning, or a closed shutter.
+  // The ground floor has a shop window and a door under an awning, or a closed shutter.
   for (int c = 0; c + 1 < h.columns; c += 2) {
     const float x0 = h.from + pitch * (static_cast<float>(c) + 0.25f), x1 = x0 + 1.4f * pitch;
     const bool open = kit.random(420 + static_cast<uint32_t>(index), static_cast<uint32_t>(c)) < 0.7f;
@@ -144,7 +144,7 @@ void add_street(Kit& kit) {
       spot_light({-1.9f, 3.1f, -12.6f}, {0.1f, -1, 0.55f}, vec3(0.62f, 0.80f, 1.0f) * 240.0f, 30.0f, 60.0f);
   lantern.radius = 0.12f;
   kit.b.light("street", lantern);
-  // The dusk all around, seen from inside.
+  // A dome around everything, seen from inside, shows the dusk.
   constexpr float radius = 70.0f;
   const Shape dome = Shape().sheet(48, 24, [](float u, float v) {
     const float azimuth = -glm::two_pi<float>() * u, elevation = glm::pi<float>() * (0.985f * v - 0.4925f);

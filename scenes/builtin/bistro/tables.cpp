@@ -68,7 +68,7 @@ Shape table_leg() {
   return leg;
 }
 
-// Bentwood: four splayed legs, a ring that ties them, a hoop for the back and a smaller one in it.
+// Returns a bentwood chair: four splayed legs, a ring that ties them, a hoop for the back and a smaller one in it.
 Shape chair_frame() {
   Shape chair;
   chair.lathe({}, {{0.165f, 0.440f}, {0.200f, 0.438f}, {0.206f, 0.450f}, {0.200f, 0.464f}, {0.168f, 0.462f}}, 28);
@@ -146,7 +146,7 @@ void add_bread(Setting& s, vec2 p, float turn) {
   place("bread", s.kit.mesh("loaf", loaf), s.kit.m.bread, 0.008f);
 }
 
-// The table next to the camera, laid by hand: positions to the right of and away from the eye at (-1.6, 2.9).
+// Lays the table next to the camera by hand; positions are to the right of and away from the eye at (-1.6, 2.9).
 void lay_first_table(Setting& s, int bottles) {
   const vec2 away = glm::normalize(vec2(0.44f, -0.90f)), right(-away.y, away.x);
   const auto spot = [&](float r, float a) { return s.at(r * right + a * away); };
@@ -185,7 +185,7 @@ void lay_first_table(Setting& s, int bottles) {
   add_candle(s.kit, s.next(), spot(0.015f, -0.140f));
 }
 
-// The others: things are thrown onto the table one after another, each where it touches none before it.
+// Finds random places on the other tables, one after another, each free of the objects placed before.
 class Scatter {
  public:
   Scatter(Setting& setting, uint32_t salt) : s_(setting), salt_(salt) {}

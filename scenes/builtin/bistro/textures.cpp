@@ -13,12 +13,12 @@ glm::vec3 rgb(uint32_t hex) {
   return glm::vec3(hex >> 16 & 255u, hex >> 8 & 255u, hex & 255u) / 255.0f;
 }
 
-// 1 inside |x| < width, fading over `soft`.
+// Returns 1 inside |x| < width, fading over `soft`.
 float band(float x, float width, float soft) {
   return 1.0f - glm::smoothstep(width - soft, width + soft, std::abs(x));
 }
 
-// Grain along u: rings of a trunk cut lengthwise, pulled long, with pores.
+// Returns wood with its grain along u: stretched rings of a trunk cut lengthwise, with pores.
 Texel wood(glm::vec2 uv, glm::vec3 dark, glm::vec3 light, float ambient) {
   const float bend = fractal_noise({uv.x, uv.y}, 3, 3, 11);
   const float rings = 0.5f + 0.5f * elementary::sin(glm::two_pi<float>() * (9.0f * uv.y + 1.7f * bend));
@@ -33,7 +33,7 @@ Texel wood(glm::vec2 uv, glm::vec3 dark, glm::vec3 light, float ambient) {
   return t;
 }
 
-// Cement tiles, two by two in the image: a star in a ring, quarter rings at the corners.
+// Returns cement tiles, two by two in the image, each with a star in a ring and quarter rings at the corners.
 Texel cement_tile(glm::vec2 uv, float ambient) {
   const glm::vec2 tile = glm::fract(uv * 2.0f) - 0.5f;
   const glm::vec2 corner = 0.5f - glm::abs(tile);
@@ -69,7 +69,7 @@ Texel plaster(glm::vec2 uv, float ambient) {
   return t;
 }
 
-// Paving of two sizes, wet in the hollows.
+// Returns paving stones of two sizes, wet in the hollows.
 Texel cobbles(glm::vec2 uv, float ambient) {
   const float row = std::floor(uv.y * 12.0f);
   const float shift = hash01(static_cast<uint32_t>(row), 41);
@@ -87,7 +87,7 @@ Texel cobbles(glm::vec2 uv, float ambient) {
   return t;
 }
 
-// Ashlar of one street front: courses of dressed stone.
+// Returns the ashlar of a street front: courses of dressed stone.
 Texel ashlar(glm::vec2 uv, float ambient) {
   const float row = std::floor(uv.y * 8.0f);
   const float shift = 0.5f * std::fmod(row, 2.0f);
@@ -129,7 +129,7 @@ Texel leather(glm::vec2 uv, float ambient) {
   return t;
 }
 
-// A leaf, tip toward -v: midrib and side veins.
+// Returns a leaf whose tip points toward -v, with midrib and side veins.
 Texel leaf(glm::vec2 uv, float ambient) {
   const float side = std::abs(uv.x - 0.5f), vein = std::abs(glm::fract((uv.y - 0.6f * side) * 9.0f) - 0.5f);
   const float rib = std::max(band(side, 0.02f, 0.012f), 0.55f * band(vein, 0.07f, 0.05f));
@@ -141,7 +141,7 @@ Texel leaf(glm::vec2 uv, float ambient) {
   return t;
 }
 
-// A lattice of cane, seen as light and dark.
+// Returns a lattice of cane in light and dark.
 Texel cane(glm::vec2 uv, float ambient) {
   const glm::vec2 f = glm::abs(glm::fract(uv * 16.0f) - 0.5f);
   const float strand = std::max(band(f.x, 0.3f, 0.08f), band(f.y, 0.3f, 0.08f));
@@ -185,7 +185,7 @@ Maps paint_cane(ContentBuilder& b) {
   return paint_maps(b, "cane", 256, 0.008f, [](glm::vec2 uv) { return cane(uv, room_ambient); });
 }
 
-// One label: paper with a frame, a crest, a name and lines too small to read.
+// Paints a label: paper with a frame, a crest, a name and lines too small to read.
 uint32_t paint_label(ContentBuilder& b, int which) {
   static constexpr uint32_t papers[] = {0xe9dfc4, 0x1d2a24, 0xd8c9a0, 0x6b1d1a};
   static constexpr uint32_t inks[] = {0x5a1418, 0xc9a24a, 0x22314a, 0xe6d3a0};
@@ -229,7 +229,7 @@ uint32_t paint_chalkboard(ContentBuilder& b) {
   });
 }
 
-// The name in gold on the pane, seen from inside: mirrored by the quad that bears it. Alpha is coverage.
+// Paints the name in gold, which the quad on the pane mirrors for the view from inside. Alpha is coverage.
 uint32_t paint_sign(ContentBuilder& b) {
   Lettering text;
   text.write("BISTRO SIDERAY", {0.035f, 0.09f}, 0.072f);
@@ -243,10 +243,11 @@ uint32_t paint_sign(ContentBuilder& b) {
   });
 }
 
-// Dusk from the zenith (top row) to below the horizon, with streaks of cloud. Unlit: codes of radiance.
+// Paints dusk from the zenith (top row) to below the horizon, with streaks of cloud. Texels are radiance, for an unlit
+// material.
 uint32_t paint_sky(ContentBuilder& b) {
   return paint_image(b, "dusk", 256, 128, [](glm::vec2 uv) {
-    const float up = 1.0f - 2.0f * uv.y;  // sine-like: 1 zenith, 0 horizon
+    const float up = 1.0f - 2.0f * uv.y;  // 1 at the zenith, 0 at the horizon
     const float glow = elementary::exp(-std::max(up, 0.0f) * 7.0f), cloud = fractal_noise({uv.x, uv.y}, 6, 4, 99);
     Texel t;
     t.color = glm::mix(rgb(0x22345c), rgb(0x5a6a94), elementary::exp(-std::max(up, 0.0f) * 2.5f));
@@ -257,7 +258,7 @@ uint32_t paint_sky(ContentBuilder& b) {
   });
 }
 
-// A room behind a window at night: a lamp's glow between curtains.
+// Paints a room behind a window at night: a lamp's glow between curtains.
 uint32_t paint_lit_window(ContentBuilder& b) {
   return paint_image(b, "lit window", 128, 128, [](glm::vec2 uv) {
     const float folds = 0.5f + 0.5f * elementary::sin(uv.x * 70.0f),
@@ -271,7 +272,7 @@ uint32_t paint_lit_window(ContentBuilder& b) {
   });
 }
 
-// Still lifes for the walls, of discs and bands.
+// Paints a still life of discs and bands for the walls.
 uint32_t paint_painting(ContentBuilder& b, int which) {
   static constexpr uint32_t grounds[] = {0x3a4a52, 0x7a5a32, 0x5a2a2a}, shapes[] = {0xd8a24a, 0x2a4a4a, 0xe0c8a0};
   const auto seed = 200u + 16u * static_cast<uint32_t>(which);

@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-// tinygltf takes other data URIs for names of files.
+// Refuses other data URIs, which tinygltf would open as files.
 void check_data_of(const Json& buffer, size_t index, bool is_glb, const std::string& path) {
   const std::string uri = buffer.value("uri", "");
   if (!buffer.contains("uri") && (index > 0 || !is_glb))

@@ -1,4 +1,4 @@
-// The container of a glTF file: JSON alone, or a binary file (.glb) of two chunks. Any thread.
+// Splits a glTF file: JSON alone, or a binary file (.glb) of two chunks. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,13 @@ namespace sideray::scenes::gltf {
 
 bool is_binary(std::span<const uint8_t> bytes);
 
-// The part of the file that is JSON. Throws Error, which names `path`, where the container is damaged.
+// Returns the JSON in the file. Throws Error, which names `path`, where the container is damaged.
 std::span<const uint8_t> json_text(std::span<const uint8_t> bytes, const std::string& path);
 
-// Files without buffers may end in a binary chunk of no bytes, which tinygltf takes for damage.
+// Removes an empty binary chunk at the end, which files without buffers may have and tinygltf refuses.
 void drop_empty_chunk(std::vector<uint8_t>& bytes);
 
-// The same file with other JSON. json_text() must have accepted it.
+// Returns the file with other JSON; json_text() must have accepted it.
 std::vector<uint8_t> with_json(std::span<const uint8_t> bytes, std::string json);
 
 }  // namespace sideray::scenes::gltf

@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Every extension that is known; a note says what is shown where it is not played.
+// Returns null for an unknown extension, else its note, which says what is shown instead if we do not support it.
 const char* const* note_of(const std::string& extension) {
   static const std::map<std::string, const char*> known{{"EXT_mesh_gpu_instancing", nullptr},
                                                         {"EXT_meshopt_compression", nullptr},

@@ -1,4 +1,4 @@
-// The extensions of glTF that are read. Any thread.
+// Knows the supported extensions of glTF. Any thread.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -9,7 +9,7 @@
 
 namespace sideray::scenes::gltf {
 
-// Warns of extensions that are used and not read, and throws Error where one is required.
+// Warns of used extensions that are not supported. Throws Error where one of these is required.
 void check_extensions(const nlohmann::json& root, const std::string& path, Warnings& warnings);
 
 }  // namespace sideray::scenes::gltf

@@ -13,7 +13,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-// The parser's message without its identifier, and without the marks that part our lines into "what: why; what to do".
+// Returns the parser's message without its identifier and without colons and semicolons, which divide our lines into
+// "what: why; what to do".
 std::string json_reason(std::string text) {
   const size_t identifier = text.find("] ");
   if (text.starts_with('[') && identifier != std::string::npos) text.erase(0, identifier + 2);
@@ -23,8 +24,8 @@ std::string json_reason(std::string text) {
   return one_line(std::move(text));
 }
 
-// Looks at a text before anything is made of it. A callback of the parser that makes values could do so too, but
-// searches the list around an object at each object's end, which takes hours for a list of a million nodes.
+// Checks a text before values are made of it. A callback of the parser that makes values could check too, but that
+// parser searches the list around an object at each object's end: hours for a list of a million nodes.
 class JsonLimits : public nlohmann::json_sax<Json> {
  public:
   JsonLimits(const std::string& path, Budget& budget) : path_(path), budget_(budget) {}
@@ -71,7 +72,7 @@ std::string one_line(std::string text) {
 
 nlohmann::json parse_json(std::span<const uint8_t> text, const std::string& path, Budget& budget) {
   const auto first = std::find_if(text.begin(), text.end(), [](uint8_t c) { return std::isspace(c) == 0; });
-  const bool marked = first != text.end() && *first == 0xef;  // of a byte order
+  const bool marked = first != text.end() && *first == 0xef;  // byte order mark
   if (first != text.end() && *first != '{' && !marked)
     refuse("cannot read {}: it is neither binary glTF nor JSON; get it again or export it again", path);
   JsonLimits sizes(path, budget);

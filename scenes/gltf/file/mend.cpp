@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Keys of glTF whose values are whole numbers, or lists of them.
+// Returns whether the values of the key are whole numbers, or lists of them.
 bool is_whole_by_name(const std::string& key) {
   static const std::set<std::string> names{
       "buffer", "bufferView", "byteLength", "byteOffset", "byteStride", "camera", "children", "componentType",
@@ -31,7 +31,7 @@ bool mend_number(Json& value) {
   return true;
 }
 
-// `all`: inside of attributes, whose keys are names of the file.
+// Corrects numbers below `value`. With `all` every number is whole: in attributes keys are names chosen by the file.
 bool mend_below(Json& value, bool is_whole, bool all) {
   if (value.is_number_float()) return is_whole && mend_number(value);
   bool changed = false;
@@ -48,7 +48,7 @@ bool mend_below(Json& value, bool is_whole, bool all) {
   return changed;
 }
 
-// Returns whether the accessor says that it has no elements.
+// Returns whether the accessor has no elements.
 bool is_empty(const Json& root, const Json& index) {
   const auto accessors = root.find("accessors");
   if (accessors == root.end() || !accessors->is_array() || !index.is_number_integer()) return false;

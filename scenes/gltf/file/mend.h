@@ -1,4 +1,4 @@
-// Changes to the JSON of a glTF file before tinygltf reads it. Any thread.
+// Corrects the JSON of a glTF file before tinygltf reads it. Any thread.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -7,23 +7,23 @@
 
 namespace sideray::scenes::gltf {
 
-// Each changes what exporters write and tinygltf refuses, and returns whether there was any.
-// Lists that are null, which says as much as that there are none.
+// Each function changes something that exporters write and tinygltf refuses, and returns whether it changed anything.
+// Removes lists that are null, which means the same as no list.
 bool drop_nulls(nlohmann::json& root);
-// Whole numbers that are written as 3.0: JSON makes no difference, tinygltf does.
+// Changes whole numbers that are written as 3.0, which is the same number in JSON.
 bool mend_numbers(nlohmann::json& root);
-// Primitives that have no vertices or no indices at all lose their attributes, and so are not looked at.
+// Removes the attributes of primitives without vertices or indices, so that they are skipped.
 bool hide_empty_primitives(nlohmann::json& root);
-// Spot lights without angles have the default ones.
+// Gives spot lights without angles the default ones.
 bool mend_spots(nlohmann::json& root);
-// Channels that pointers target have no node, which tinygltf would drop them for: they name node -1.
+// Gives channels with pointers the node -1: tinygltf drops channels without a node.
 bool mend_targets(nlohmann::json& root);
-// Cameras of an unknown type, or without what their type wants, become others; returns which.
+// Replaces cameras of an unknown type, or without the values of their type, by valid ones. Returns their indices.
 std::set<size_t> hide_broken_cameras(nlohmann::json& root);
-// Buffer views with EXT_meshopt_compression name a place for decoded bytes that need not exist. They then name their
-// compressed bytes instead, so that what checks and loads views sees nothing special. Throws Error.
+// Points buffer views with EXT_meshopt_compression at their compressed bytes, so that the checks and the loading of
+// views need no exception: the place for decoded bytes that they name need not exist. Throws Error.
 bool point_at_compressed(nlohmann::json& root, const std::string& path);
-// tinygltf wants data behind every accessor of indices, and Draco's has none: the extension keeps their number.
+// Moves `indices` of Draco primitives into their extensions: tinygltf refuses such accessors, which have no data.
 bool hide_draco_indices(nlohmann::json& root, const std::string& path);
 
 }  // namespace sideray::scenes::gltf

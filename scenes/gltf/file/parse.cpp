@@ -14,13 +14,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Where tinygltf's callbacks get their bytes from: a few characters can name the same file or bytes over and over.
+// Counts the bytes that tinygltf's callbacks deliver: a few characters can name the same file or bytes over and over.
 struct Source {
   Budget& budget;
   uint64_t hash = empty_hash;  // of the files that were read
-  std::optional<Error> error;  // no exception passes through tinygltf
+  std::optional<Error> error;  // kept, since no exception may pass through tinygltf
 
-  // Says whether `bytes` more may be held, and keeps the Error where not.
+  // Returns whether the budget has `bytes` more; otherwise keeps the Error.
   bool take(uint64_t bytes, const char* user) {
     try {
       budget.take(bytes, user);
@@ -77,7 +77,7 @@ bool write_nothing(std::string*, const std::string&, const std::vector<unsigned 
   }
 }
 
-// tinygltf asks for sizes too since 2.9, and then refuses a set of functions without one that tells.
+// Returns the callbacks. Since 2.9 tinygltf requires a callback for file sizes too.
 template <typename Callbacks>
 Callbacks file_callbacks(Source& source) {
   Callbacks callbacks{};
@@ -111,7 +111,7 @@ void parse(std::span<const uint8_t> bytes, const std::string& folder, File& file
   }
   file.hash = source.hash;
   if (source.error) throw *source.error;
-  // tinygltf says nothing of values of a wrong type.
+  // tinygltf gives no message for values of a wrong type.
   if (message.empty()) message = "a value is missing or not of the type that glTF gives it";
   if (!loaded) refuse("cannot read {}: {}; export it again", file.path, one_line(message));
 }

@@ -1,4 +1,4 @@
-// tinygltf at work on a file that was checked. Any thread.
+// Parses a checked file by tinygltf. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace sideray::scenes::gltf {
 
-// Fills file.model, and reads from `folder` what the file names. Throws Error.
+// Fills file.model, and reads the files in `folder` that it names. Throws Error.
 void parse(std::span<const uint8_t> bytes, const std::string& folder, File& file);
 
 }  // namespace sideray::scenes::gltf

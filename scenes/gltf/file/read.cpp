@@ -14,7 +14,8 @@
 namespace sideray::scenes::gltf {
 namespace {
 
-// While it is parsed: the file, what is made of it (JSON with all data inside is copied twice), and each value.
+// Returns the memory while parsing, apart from values: the file and its copies, of which JSON with embedded data has
+// two.
 uint64_t bytes_while_parsed(std::span<const uint8_t> bytes) {
   return (is_binary(bytes) ? uint64_t{2} : uint64_t{3}) * bytes.size();
 }

@@ -55,7 +55,7 @@ void check_name(const std::string& uri, const fs::path& folder, const std::strin
   }
 }
 
-// Exporters on Windows part folders by backslashes, which glTF lacks.
+// Replaces backslashes between folders, which exporters on Windows write and glTF does not allow.
 void mend_backslashes(Json& object, const fs::path& folder) {
   const auto uri = object.find("uri");
   if (uri == object.end() || !uri->is_string()) return;
@@ -68,7 +68,7 @@ void mend_backslashes(Json& object, const fs::path& folder) {
   if (fs::exists(folder / percent_decoded(name), error)) *uri = name;
 }
 
-// Octets are octets, whatever kind of file they are said to be.
+// Replaces the media type of a buffer's data URI: it is read as bytes, whatever its type.
 void mend_media_type(Json& buffer) {
   const auto uri = buffer.find("uri");
   if (uri == buffer.end() || !uri->is_string()) return;

@@ -1,4 +1,4 @@
-// The files that a glTF file names. Any thread.
+// Checks the names of files in a glTF file. Any thread.
 #pragma once
 
 #include <filesystem>
@@ -9,11 +9,11 @@
 
 namespace sideray::scenes::gltf {
 
-// Rewrites uris of buffers and images that tinygltf would not find, with a warning. Returns whether there were any.
+// Rewrites URIs of buffers and images that tinygltf would not find, with a warning. Returns whether there were any.
 bool mend_uris(nlohmann::json& root, const std::filesystem::path& folder, File& file);
 
-// Throws Error, which names `path` and `user`, where the object's uri is neither data nor a file in the scene's folder: a
-// scene from elsewhere must not read what it likes.
+// Throws Error, which names `path` and `user`, where the object's URI is neither data nor a file in the scene's folder:
+// a scene must not read other files.
 void check_uri(const nlohmann::json& object, const std::filesystem::path& folder, const std::string& path,
                const std::string& user);
 
