@@ -1,4 +1,4 @@
-// An engine on Irrlicht, with ray-traced glass or as it was: docs/fixed-function.md.
+// Runs an engine on Irrlicht with or without ray-traced glass (docs/fixed-function.md).
 //
 //   irrlicht_retrofit [--sideray] [--late] [--budget MS] [--frames N] [--size WIDTHxHEIGHT] [--save FILE.png]
 #include <chrono>

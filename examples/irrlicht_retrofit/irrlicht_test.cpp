@@ -1,4 +1,4 @@
-// The retrofitted engine: its picture before and after, edits, animation, resizing, smoke, late answers, budgets.
+// Tests the retrofitted engine: its picture before and after, edits, animation, resizing, smoke, late answers, budgets.
 #include <GL/gl.h>
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ class Retrofitted : public testing::Test {
     EXPECT_EQ(retrofit.error(), "");
     return result;
   }
-  // The mean difference, in codes.
+  // Returns the mean difference, in codes.
   static double apart(const Picture& a, const Picture& b) {
     EXPECT_EQ(a.bgra.size(), b.bgra.size());
     double sum = 0;
@@ -32,7 +32,7 @@ class Retrofitted : public testing::Test {
       if (i % 4 != 3) sum += std::abs(int{a.bgra[i]} - int{b.bgra[i]});
     return sum / (0.75 * static_cast<double>(a.bgra.size()));
   }
-  // How many pixels are more than 4 codes apart in red.
+  // Returns how many pixels differ by more than 4 codes in red.
   static size_t changed(const Picture& a, const Picture& b) {
     size_t count = 0;
     for (size_t i = 2; i < a.bgra.size(); i += 4) count += std::abs(int{a.bgra[i]} - int{b.bgra[i]}) > 4;
@@ -47,7 +47,7 @@ class Retrofitted : public testing::Test {
   Room room{width, height};
 };
 
-// Without reflectance rays show what the fixed function draws, lit for each pixel and not each vertex.
+// Without reflectance rays show the look of the fixed function, but lit for each pixel instead of each vertex.
 TEST_F(Retrofitted, GlassIsLitAsTheEngineLightsIt) {
   room.show_smoke(false);
   const Picture before = picture();

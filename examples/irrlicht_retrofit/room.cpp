@@ -11,7 +11,7 @@ namespace {
 
 constexpr u32 banner_frames = 32;
 
-// A waving banner of 12 x 8 quads, at one moment of its way.
+// Returns a waving banner of 12 x 8 quads at one phase of its motion.
 scene::SMesh* banner_at(f32 phase) {
   constexpr u16 columns = 13, rows = 9;
   auto* buffer = new scene::SMeshBuffer;
@@ -78,7 +78,7 @@ scene::ISceneNode* Room::add_box(core::vector3df size, core::vector3df place, vi
   return node;
 }
 
-// The wall behind the camera, and what hangs on it, are in no view.
+// Adds the walls. The one behind the camera, and the objects on it, are visible in reflections alone.
 void Room::add_walls() const {
   video::ITexture* floor = checks("floor", video::SColor(255, 190, 180, 160), video::SColor(255, 90, 80, 70));
   video::ITexture* wall = checks("wall", video::SColor(255, 170, 190, 170), video::SColor(255, 150, 170, 150));
@@ -117,7 +117,7 @@ void Room::add_banner() {
   banner_->setMaterialFlag(video::EMF_BACK_FACE_CULLING, false);
 }
 
-// Two panes one behind the other, and smoke between them.
+// Adds two panes, one behind the other, with smoke between them.
 void Room::add_glass() const {
   const auto pane = [this](core::vector3df place, video::SColor tint) {
     scene::IMesh* mesh = scene().getGeometryCreator()->createCubeMesh({1, 1, 1});

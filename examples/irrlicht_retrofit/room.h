@@ -1,5 +1,5 @@
-// The engine's own program: a room in Irrlicht as one wrote it in 2010, left-handed, with the fixed function's lights and
-// materials. It knows nothing of rays.
+// The engine's own program: a room in Irrlicht in the style of 2010, left-handed, with the fixed function's lights and
+// materials. It does not know Sideray.
 #pragma once
 
 #include <irrlicht/irrlicht.h>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-// Bytes blue, green, red, alpha; top row first.
+// Holds bytes of blue, green, red and alpha, top row first.
 struct Picture {
   unsigned width = 0, height = 0;
   std::vector<unsigned char> bgra;
@@ -22,15 +22,15 @@ class Room {
 
   irr::IrrlichtDevice& device() const { return *device_; }
   irr::scene::ISceneManager& scene() const { return *device_->getSceneManager(); }
-  // Goes on to a moment, so that pictures do not depend on how fast they are drawn.
+  // Sets the time of the animation, so that pictures do not depend on the speed of drawing.
   void set_time(irr::u32 ms);
-  // Edits of a level: a crate comes, or goes.
+  // Both edit the level.
   void add_crate();
   void remove_crate();
   void show_smoke(bool shown) { smoke_->setVisible(shown); }
   void turn_camera(float degrees);
 
-  // Draws a frame, and copies it where a picture is given; false: the window is closed.
+  // Draws a frame, and copies it to `picture` if it is not null. Returns false once the window is closed.
   bool draw(Picture* picture = nullptr);
   void save(const Picture& picture, const std::string& file) const;
 

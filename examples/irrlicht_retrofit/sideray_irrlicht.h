@@ -1,6 +1,6 @@
-// Ray-traced glass and shadows for an Irrlicht 1.8 scene with the fixed function, in one file to copy. It follows the
-// scene graph, and takes its turn between what is opaque and what is transparent as the scene's light manager. On the
-// thread that draws.
+// Adds ray-traced glass and shadows to an Irrlicht 1.8 scene with the fixed function, in one file to copy. It follows
+// the scene graph. As the scene's light manager it is called between the opaque and the transparent pass. Only the
+// drawing thread may call it.
 #pragma once
 
 #define GL_GLEXT_PROTOTYPES
@@ -20,10 +20,10 @@ using namespace irr;
 using video::SMaterial;
 
 struct Settings {
-  bool wait = true;           // for this frame's rays; else the frame shows the newest answers there are
+  bool wait = true;           // for this frame's rays; else the frame shows the newest finished answers
   float budget_ms = 0;        // 0 = none
   bool shadows = true;        // of the lights that have CastShadows
-  float reflectance = 0.35f;  // of glass, head on, before its alpha scales it
+  float reflectance = 0.35f;  // of glass at normal incidence; its alpha scales it
 };
 
 inline constexpr u32 stencil_bits = 0x3f /* as sideray_frame_defaults() */, first_unit = 8, position_unit = 7;
@@ -36,7 +36,7 @@ inline uint64_t key_of(const void* thing, uint64_t part = 0) {
 }
 inline void set_color(float (&to)[3], video::SColorf from) { to[0] = from.r, to[1] = from.g, to[2] = from.b; }
 
-// Sets the ready programs up for what they draw. Irrlicht keeps it as long as its driver lives.
+// Sets the uniforms of the ready programs. Irrlicht keeps it as long as its driver lives.
 class Programs : public video::IShaderConstantSetCallBack {
  public:
   sideray::Service* service = nullptr;
@@ -47,7 +47,7 @@ class Programs : public video::IShaderConstantSetCallBack {
     glGetIntegerv(GL_CURRENT_PROGRAM, &program);
     service->bind(static_cast<uint32_t>(program), first_unit);
     const s32 unit = 0, textured = drawn_->getTexture(0) ? 1 : 0, light = static_cast<s32>(drawn_->MaterialTypeParam2);
-    const f32 in_shade[] = {0.5f, 0.5f, 0.55f};  // what ambient light and the other lamps leave: a guess
+    const f32 in_shade[] = {0.5f, 0.5f, 0.55f};  // estimated share of ambient light and of the other lamps
     if (which == SIDERAY_READY_SHADOWS) {
       services->setPixelShaderConstant("sideray_light", &light, 1);
       services->setPixelShaderConstant("sideray_in_shade", in_shade, 3);
@@ -76,14 +76,14 @@ class Retrofit : public scene::ILightManager {
     programs_->service = &service_.emplace(sideray::Service::create(*tracer_, host).value());
     device_.getSceneManager()->setLightManager(this);
   }
-  // Gives the engine's materials back: it draws as before.
+  // Restores the engine's materials: it draws as before.
   ~Retrofit() override {
     device_.getSceneManager()->setLightManager(nullptr);
     programs_->service = nullptr, programs_->drop();
     for (auto& [at, material] : own_) at.first->getMaterial(at.second) = material;
   }
 
-  // Takes over what has changed in the scene graph; before each drawAll().
+  // Copies changes of the scene graph; call it before each drawAll().
   void update() {
     glass_.clear(), lights_.clear(), casters_.clear();
     follower_.begin();
@@ -92,9 +92,9 @@ class Retrofit : public scene::ILightManager {
     follower_.end();
   }
   void set_wait(bool wait) { settings_.wait = wait; }
-  // Why it gave up; empty while all is well. Then destroy it.
+  // Returns why the retrofit has stopped, so that it must be destroyed; empty if it has not.
   const std::string& error() const { return error_; }
-  // Of the newest finished frame.
+  // Returns the statistics of the newest finished frame.
   const sideray_frame_stats& stats() const { return stats_; }
 
  private:
@@ -125,8 +125,8 @@ class Retrofit : public scene::ILightManager {
     for (scene::ISceneNode* child : node.getChildren()) follow(*child);
   }
 
-  // The frames of an animation are one mesh, whose owner is the node. A left-handed engine whose clockwise triangles
-  // face front gives both as they are.
+  // Adds or updates a mesh. All frames of an animation update one mesh, whose owner is the node. Positions and
+  // triangles of the left-handed engine, whose front faces are clockwise, need no conversion.
   void follow_mesh(scene::ISceneNode& node, const scene::IMesh& mesh, const void* owner, u32 pose) {
     const core::matrix4& m = node.getAbsoluteTransformation();
     for (u32 i = 0; i < mesh.getMeshBufferCount(); ++i) {
@@ -172,7 +172,7 @@ class Retrofit : public scene::ILightManager {
   }
 
   sideray_material material_of(uint64_t key, const SMaterial& from, bool glass) {
-    // By E_COLOR_MATERIAL.
+    // Indexed by E_COLOR_MATERIAL.
     constexpr uint32_t follows[] = {0, SIDERAY_FOLLOW_DIFFUSE, SIDERAY_FOLLOW_AMBIENT, SIDERAY_FOLLOW_EMISSION,
                                     SIDERAY_FOLLOW_SPECULAR, SIDERAY_FOLLOW_AMBIENT_AND_DIFFUSE};
     uint64_t version = key_of(from.getTexture(0)) + (from.Lighting ? 8 : 0) + (from.BackfaceCulling ? 16 : 0);
@@ -198,8 +198,8 @@ class Retrofit : public scene::ILightManager {
     });
   }
 
-  // Gives it the ready program, which draws it as before where it has no answer, and returns its surface id, which
-  // travels with the material.
+  // Gives the mesh buffer the ready program, which draws it as before where it has no answer. Returns its surface id,
+  // which is stored in the material.
   uint32_t make_glass(Place place, const scene::IMeshBuffer& buffer) {
     glass_.emplace_back(place, &buffer);
     const uint32_t id = ids_.try_emplace(place, static_cast<uint32_t>(ids_.size() + 1)).first->second;
@@ -236,7 +236,7 @@ class Retrofit : public scene::ILightManager {
     state.append(reinterpret_cast<const char*>(lights_.data()), lights_.size() * sizeof(sideray_fixed_light));
     if (state == last_lighting_) return;
     last_lighting_ = state;
-    model.local_viewer = model.separate_specular = 1;  // as Irrlicht sets OpenGL up
+    model.local_viewer = model.separate_specular = 1;  // as Irrlicht configures OpenGL
     model.lights = lights_.data(), model.light_count = lights_.size();
     scene_.set_fixed_function(model);
     scene_.set_lights(casters_);
@@ -265,7 +265,7 @@ class Retrofit : public scene::ILightManager {
     }
   }
 
-  // Counts the glass before each pixel.
+  // Counts in the stencil the glass in front of each pixel.
   void draw_mask() const {
     glClearStencil(0), glClear(GL_STENCIL_BUFFER_BIT);
     glEnable(GL_STENCIL_TEST), glStencilMask(stencil_bits);
@@ -280,7 +280,7 @@ class Retrofit : public scene::ILightManager {
     glDisable(GL_STENCIL_TEST), glStencilMask(~0u);
   }
 
-  // As OpenGL has it; and places in the world as texture coordinates, for glass.
+  // Sets the view for OpenGL, and world positions as texture coordinates of glass.
   void set_view() {
     driver_.setTransform(video::ETS_WORLD, core::IdentityMatrix);
     double projection[16], view[16];
@@ -292,7 +292,7 @@ class Retrofit : public scene::ILightManager {
     glActiveTexture(GL_TEXTURE0 + position_unit);
     constexpr double planes[3][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
     for (u32 i = 0; i < 3; ++i) {
-      glTexGeni(GL_S + i, GL_TEXTURE_GEN_MODE, GL_EYE_LINEAR);  // planes are those of the world: MODELVIEW is the view
+      glTexGeni(GL_S + i, GL_TEXTURE_GEN_MODE, GL_EYE_LINEAR);  // MODELVIEW is the view, so planes are in world space
       glTexGendv(GL_S + i, GL_EYE_PLANE, planes[i]), glEnable(GL_TEXTURE_GEN_S + i);
     }
     glActiveTexture(static_cast<GLenum>(unit));
@@ -309,7 +309,7 @@ class Retrofit : public scene::ILightManager {
     if (const auto newest = service_->layers()) stats_ = service_->stats(newest->ticket);
   }
 
-  // Multiplies the opaque picture.
+  // Multiplies the opaque picture by the shadows.
   void draw_shadows() {
     SMaterial material;
     material.MaterialType = static_cast<video::E_MATERIAL_TYPE>(shadow_type_);
@@ -339,9 +339,9 @@ class Retrofit : public scene::ILightManager {
   Programs* programs_;
   s32 glass_type_, shadow_type_;
   std::map<Place, uint32_t> ids_;
-  std::map<Place, SMaterial> own_;                                  // materials of glass, as the engine had them
+  std::map<Place, SMaterial> own_;                                  // the engine's original materials of glass
   std::vector<std::pair<Place, const scene::IMeshBuffer*>> glass_;  // of this frame
-  std::vector<sideray_fixed_light> lights_;                         // likewise, and those that cast shadows
+  std::vector<sideray_fixed_light> lights_;                         // of this frame; then those that cast shadows
   std::vector<sideray_light> casters_;
 };
 

@@ -220,7 +220,7 @@ static float distance_to(const struct engine* e, const struct face* f) {
   return dot(middle, middle);
 }
 
-/* The farthest glass that is nearer than `limit`; -1 = none. */
+/* Returns the farthest glass that is nearer than `limit`; -1 = none. */
 static int next_glass(const struct engine* e, const struct room* room, float limit) {
   int farthest = -1;
   for (int i = 0; i < face_count; ++i) {

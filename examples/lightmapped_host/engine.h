@@ -1,4 +1,4 @@
-/* The engine's renderer, as such engines were: OpenGL 2.1 in immediate mode, an RGBA8 framebuffer blended in gamma
+/* The engine's renderer, typical of its time: OpenGL 2.1 in immediate mode, an RGBA8 framebuffer blended in gamma
  * space, GLSL 1.20. Ends the program on any failure. Calls OpenGL. */
 #ifndef ENGINE_H
 #define ENGINE_H
@@ -22,7 +22,7 @@ struct engine {
   GLuint framebuffer;
   GLuint textures[texture_count], lightmaps[face_count];
   GLuint opaque, raster_glass;
-  GLuint glass, answers; /* by rays; `answers` is magenta where they have none */
+  GLuint glass, answers; /* programs that use rays; `answers` draws magenta without an answer */
   struct camera camera;
 };
 
@@ -30,16 +30,16 @@ void require(bool condition, const char* what);
 void* get_proc_address(void* user, const char* name);
 void start_engine(struct engine* engine, const struct room* room, int width, int height);
 
-/* Also the mask: stencil counts the glass in each pixel. */
+/* Draws opaque faces, then the mask: the stencil counts the glass in each pixel. */
 void draw_opaque(const struct engine* engine, const struct room* room);
-/* Back to front, with one of the programs. */
+/* Draws glass from back to front, with one of the programs. */
 void draw_glass(const struct engine* engine, const struct room* room, GLuint program);
-/* RGB, bottom row first; the caller frees it. */
+/* Returns RGB, bottom row first; the caller frees it. */
 uint8_t* read_picture(const struct engine* engine);
-/* Top row first in the file; uncompressed. */
+/* Writes an uncompressed PNG. `rgb` has the bottom row first. */
 void write_png(const char* path, const uint8_t* rgb, int width, int height);
 
-/* What a surface is called in layers. */
+/* Returns the surface id of a face in layers. */
 uint32_t surface_of(int face);
 
 #endif

@@ -1,6 +1,6 @@
-/* A lightmapped Blinn-Phong engine in gamma space, whose glass is shaded by rays in its own look: Sideray asks it what
- * surfaces look like (sideray_scene_set_shader). Checks that nothing changes where no ray differs, and that what glass
- * reflects is the room as the engine would draw it. Exit code 0 if all is so.
+/* A lightmapped Blinn-Phong engine in gamma space, whose glass is ray-traced in its own look: Sideray calls the engine
+ * to shade hits (sideray_scene_set_shader). Checks that glass without reflections looks as before, and that glass
+ * reflects the room as the engine would draw it. Exit code 0 if both hold.
  *   lightmapped_host [--size 320x180] [--pictures BEFORE.png AFTER.png] [--in-calls] */
 #include <math.h>
 #include <sideray/sideray.h>
@@ -29,7 +29,7 @@ static float texture_level(const struct face* face, const float footprint[4]) {
   return log2f(fmaxf(fmaxf(along, across) * (float)texture_size, 1.0f));
 }
 
-/* On tracing threads, several at once: the room does not change. */
+/* Shades hits. Several tracing threads call it at once, which is safe since the room does not change. */
 static void shade(void* user, const sideray_shading_point* points, size_t count, sideray_shading_result* results) {
   const struct hook* hook = user;
   for (size_t i = 0; i < count; ++i) {
@@ -61,7 +61,7 @@ static void add_face(sideray_scene* scene, const struct room* room, int number) 
   sideray_mesh_desc mesh = sideray_mesh_defaults();
   mesh.vertex_count = 4, mesh.index_count = 6, mesh.indices = indices;
   mesh.positions.data = positions, mesh.uv0.data = uv, mesh.uv1.data = light_uv;
-  sideray_material_desc material = sideray_material_defaults(); /* nothing of it but what rays may pass */
+  sideray_material_desc material = sideray_material_defaults(); /* only decides which surfaces rays pass through */
   material.double_sided = 1;
   material.alpha_mode = f->alpha < 1.0f ? SIDERAY_BLEND : SIDERAY_OPAQUE;
   material.base_color[3] = f->alpha;
@@ -91,7 +91,7 @@ static sideray_scene* create_scene(struct hook* hook, sideray_shader_thread thre
   return scene;
 }
 
-/* `layers` is what the inputs point at. */
+/* Returns inputs that point at `layers`. */
 static sideray_frame_inputs frame_inputs(const struct engine* e, sideray_layer_inputs* layers) {
   *layers = sideray_layer_inputs_defaults();
   layers->max_layers = 3;
@@ -106,7 +106,7 @@ static sideray_frame_inputs frame_inputs(const struct engine* e, sideray_layer_i
   return in;
 }
 
-/* A frame of the engine. Without a service, as it was before. */
+/* Draws a frame of the engine, without rays if `service` is NULL. */
 static uint8_t* draw_frame(const struct engine* e, const struct room* room, sideray_service* service, GLuint program) {
   sideray_error error;
   draw_opaque(e, room);
@@ -125,11 +125,11 @@ static uint8_t* draw_frame(const struct engine* e, const struct room* room, side
 /* ---- The checks ---- */
 
 struct difference {
-  int pixels, differing, largest; /* of glass; of these; in 255ths */
+  int pixels, differing, largest; /* pixels of glass; those that differ; largest difference in 255ths */
   double mean;
 };
 
-/* Of the pixels that the last frame's mask counts. */
+/* Compares the pixels in the last frame's mask. */
 static struct difference compare(const uint8_t* a, const uint8_t* b, const struct engine* e) {
   struct difference d = {0, 0, 0, 0.0};
   const int texels = e->width * e->height;
@@ -154,7 +154,7 @@ static struct difference compare(const uint8_t* a, const uint8_t* b, const struc
   return d;
 }
 
-/* Of all layers, bottom row first: RGBA, A is 1 where there is an answer. The caller frees it. */
+/* Returns RGBA of all layers, bottom row first; A is 1 where there is an answer. The caller frees it. */
 static float* read_layers(sideray_service* service, const struct engine* e) {
   sideray_layer_outputs out = {.size = sizeof(out)};
   require(sideray_service_layers(service, 0, &out, NULL) == SIDERAY_OK, "there is no frame");
@@ -167,7 +167,7 @@ static float* read_layers(sideray_service* service, const struct engine* e) {
   return radiance;
 }
 
-/* What the engine draws where a line of sight ends on a face, sharp. */
+/* Computes the engine's colour at the point of a face that a ray hits, without mip levels. */
 static void look_at(const struct room* room, int number, const float at[2], const float position[3],
                     const float direction[3], struct fragment* f, float color[3]) {
   f->face = &room->faces[number];
@@ -182,8 +182,8 @@ static void look_at(const struct room* room, int number, const float at[2], cons
   look(room, f, color);
 }
 
-/* The nearest glass of a pixel with what it reflects, by nothing but the room's faces. False where there is none, where
- * more glass is in the way of what it reflects, and where an edge is within rounding. */
+/* Computes the colour of the nearest glass of a pixel and its reflection from the room's faces alone. Returns false
+ * where there is no glass, where more glass is in the reflection's way, and where an edge is within rounding. */
 static bool expected_layer(const struct engine* e, const struct room* room, int x, int y, float color[3]) {
   float direction[3] = {((float)x + 0.5f) / (float)e->width * 2.0f - 1.0f,
                         ((float)y + 0.5f) / (float)e->height * 2.0f - 1.0f, -1.0f};
@@ -209,7 +209,7 @@ static bool expected_layer(const struct engine* e, const struct room* room, int 
   return true;
 }
 
-/* Layers with sharp reflections against the room's own geometry. */
+/* Compares layers with sharp reflections to the room's own geometry. */
 static void check_reflections(const struct engine* e, const struct room* room, sideray_service* service) {
   float* radiance = read_layers(service, e);
   int compared = 0, wrong = 0;
@@ -231,8 +231,8 @@ static void check_reflections(const struct engine* e, const struct room* room, s
   require(wrong * 500 <= compared, "what glass reflects is not the room as the engine draws it");
 }
 
-/* Glass that does not reflect: as rasterized. A texture unit may filter RGBA8 in steps of 1/255 (llvmpipe does), and
- * lightmaps count twice. */
+/* Checks that glass without reflections looks as rasterized. A texture unit may filter RGBA8 in steps of 1/255
+ * (llvmpipe does), and lightmaps count twice. */
 static void check_look(const struct engine* e, const struct room* room, sideray_service* service,
                        const uint8_t* before) {
   uint8_t* rays = draw_frame(e, room, service, e->glass);
@@ -243,7 +243,7 @@ static void check_look(const struct engine* e, const struct room* room, sideray_
   free(rays);
   free(answered);
   require(look.pixels > e->width * e->height / 5, "too few pixels of glass to compare");
-  /* At the end of a pane a ray may just miss what the rasterizer draws. */
+  /* At the edge of a pane a ray may just miss a pixel that the rasterizer draws. */
   require(unanswered.differing * 1000 <= look.pixels, "some pixels of glass have no ray-traced answer");
   require(look.largest <= 2 && look.mean < 0.25, "glass that does not reflect looks different by rays");
 }

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-/* Color: of highlights, and of the lightmaps' light. */
+/* The colour is that of highlights and of the light in lightmaps. */
 const struct lamp lamps[lamp_count] = {{{-1.5f, 2.7f, 0.4f}, {1.6f, 1.35f, 0.9f}},
                                        {{2.4f, 2.2f, 3.4f}, {0.75f, 0.95f, 1.5f}}};
 
@@ -23,7 +23,7 @@ const char look_glsl[] =
     "  return min(color, vec3(1.0));\n"
     "}\n";
 
-/* As the texture unit filters: `size` texels a side, bilinear; repeated or clamped. */
+/* Samples a texture of `size` texels a side as the texture unit does: bilinear, repeated or clamped. */
 static void sample(const uint8_t* texels, int size, const float uv[2], bool repeats, float color[4]) {
   int index[2][2];
   float weight[2];

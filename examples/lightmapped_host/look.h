@@ -1,5 +1,5 @@
-/* The engine's shading: lightmap times texture and Blinn-Phong highlights, in the 8-bit gamma space that its textures,
- * lightmaps and framebuffer are in. Once as GLSL 1.20 for fragments, once in C for what rays hit. Any thread. */
+/* The engine's shading: lightmap times texture plus Blinn-Phong highlights, in the 8-bit gamma space of its textures,
+ * lightmaps and framebuffer. It exists in GLSL 1.20 for fragments and in C for hits of rays. Any thread. */
 #ifndef LOOK_H
 #define LOOK_H
 
@@ -22,10 +22,10 @@ struct fragment {
   float position[3];
 };
 
-/* The same; `color` is 0..1. */
+/* Computes the same in C; `color` is 0..1. */
 void look(const struct room* room, const struct fragment* fragment, float color[3]);
-/* How much glass adds of what it reflects: Schlick's curve, which blending by alpha leaves whole; 0 of what does not
- * shine. */
+/* Returns the share of reflected light that glass adds: Schlick's approximation, which blending by alpha does not
+ * scale; 0 for faces without shine. */
 float reflectance(const struct face* face, const float normal[3], const float to_eye[3]);
 
 #endif

@@ -1,4 +1,4 @@
-/* PNG without compression: one zlib stream of stored blocks. */
+/* Writes PNG without compression: one zlib stream of stored blocks. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,7 +31,7 @@ static void write_chunk(FILE* file, const char* name, const uint8_t* content, si
   free(chunk);
 }
 
-/* `raw` as a zlib stream; the caller frees it. */
+/* Returns `raw` as a zlib stream; the caller frees it. */
 static uint8_t* stored(const uint8_t* raw, size_t count, size_t* bytes) {
   uint8_t *stream = malloc(count + 6 + 5 * (count / most_stored + 1)), *to = stream;
   require(stream != NULL, "no memory for a picture");

@@ -42,7 +42,7 @@ static struct face* add_face(struct room* room, int* count, const float at[3], c
   return face;
 }
 
-/* x -4..4, y 0..3, z -3..5, seen from inside. */
+/* Adds the walls of x -4..4, y 0..3, z -3..5, seen from inside. */
 static void add_walls(struct room* room, int* count) {
   static const struct {
     float at[3], u[3], v[3], repeats[2];
@@ -57,7 +57,7 @@ static void add_walls(struct room* room, int* count) {
   }
 }
 
-/* Turned about y; its bottom is never seen. */
+/* Adds a crate turned about y, without its bottom, which is never seen. */
 static void add_crate(struct room* room, int* count, float x, float z, float size, float angle) {
   const float a[3] = {size * cosf(angle), 0, -size * sinf(angle)}, b[3] = {size * sinf(angle), 0, size * cosf(angle)};
   const float back_a[3] = {-a[0], 0, -a[2]}, back_b[3] = {-b[0], 0, -b[2]}, up[3] = {0, size, 0};
@@ -212,7 +212,7 @@ static void make_texture(struct room* room, enum texture texture) {
   }
 }
 
-/* ---- Lightmaps: the lamps, shadowed, and a glow that the bounces stand for; computed in light, stored in gamma ----
+/* ---- Lightmaps: the shadowed lamps and a constant for bounced light; computed linearly, stored in gamma space ----
  */
 
 int face_along(const struct room* room, const float origin[3], const float direction[3], int skipped, float at[2],
@@ -235,7 +235,7 @@ int face_along(const struct room* room, const float origin[3], const float direc
   return nearest;
 }
 
-/* Whether something opaque is between two points. */
+/* Returns whether an opaque face is between two points. */
 static bool blocked(const struct room* room, const float from[3], const float to[3], int skipped) {
   float start[3], direction[3], at[2], distance = 0.0f;
   memcpy(start, from, sizeof(start));

@@ -1,7 +1,7 @@
-/* A host that lets rays draw its glass: it draws what is opaque, marks where glass is in the stencil, and gets one picture
+/* A host whose glass is drawn by rays alone: it draws opaque surfaces, marks glass in the stencil, and gets one picture
  * of everything translucent, composited along each ray, bent by refraction. Two full-screen passes put it over its own
- * picture. No fragment of glass is shaded and nothing is matched. Prints what is seen through the glass, straight and
- * bent; exit code 0 if all went well. */
+ * picture. No fragment of glass is shaded, and nothing is matched. Prints the colours seen through the glass, straight
+ * and bent; exit code 0 if all went well. */
 #include <sideray/sideray.h>
 #include <stdio.h>
 #include <string.h>
@@ -9,8 +9,8 @@
 #include "engine.h"
 #include "quads.h"
 
-/* A floor that shines, as it is drawn, and the front of a block of glass: transmission, a thickness and an index of
- * refraction make light bend. */
+/* Returns a scene of an emissive floor and the front of a block of glass: transmission, a thickness and an index of
+ * refraction bend light. */
 static sideray_scene* create_scene(void) {
   sideray_scene* scene = NULL;
   sideray_error error;
@@ -40,7 +40,7 @@ static GLuint create_floor_program(void) {
   return create_program(vertex, &fragment, 1);
 }
 
-/* Texels of the picture's own size, one for one. */
+/* Returns a program that copies a texture of the picture's size, texel by texel. */
 static GLuint create_picture_program(void) {
   const char* vertex =
       "#version 330 core\nvoid main() { gl_Position = vec4(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0, "
@@ -51,7 +51,7 @@ static GLuint create_picture_program(void) {
   return create_program(vertex, &fragment, 1);
 }
 
-/* What is opaque, and a stencil bit wherever glass is before it: both of its faces. */
+/* Draws opaque surfaces, and sets a stencil bit where a face of glass is in front of them. */
 static void draw_opaque_and_mask(GLuint program) {
   gl.UseProgram(program);
   gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
@@ -75,7 +75,7 @@ static void draw_picture(GLuint texture, GLenum source, GLenum destination) {
   gl.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-/* picture = radiance + picture * transmittance. The texture named distance_texture is the transmittance here. */
+/* Computes picture = radiance + picture * transmittance; distance_texture holds the transmittance here. */
 static void composite(GLuint program, const sideray_layer_outputs* out) {
   gl.UseProgram(program);
   gl.ActiveTexture(GL_TEXTURE0);
@@ -141,7 +141,7 @@ int main(void) {
   printf("through the glass: straight %.3f, bent %.3f; beside it %.3f and %.3f\n", (double)straight[0],
          (double)bent[0], (double)floor_before[0], (double)floor_after[0]);
   require(memcmp(floor_before, floor_after, 3 * sizeof(float)) == 0, "a pixel beside the glass has changed");
-  /* All that is seen there comes from rays: what the host drew behind the glass is not added once more. */
+  /* All light there comes from rays: the host's picture behind the glass must not be added again. */
   require(bent[0] > 0.45f && bent[0] < 0.55f, "the floor is not seen through the glass, once");
   sideray_service_destroy(service);
   sideray_tracer_release(tracer);

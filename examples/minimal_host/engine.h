@@ -1,4 +1,4 @@
-/* What any host has before Sideray comes: a context, a function table, a framebuffer, geometry, shader compilation, a
+/* The parts of any host without Sideray: a context, a function table, a framebuffer, geometry, shader compilation, a
  * camera. Ends the program on any failure. */
 #ifndef ENGINE_H
 #define ENGINE_H
@@ -20,11 +20,11 @@ void check_errors(const char* where);
 void create_context(void);
 GLuint create_framebuffer(void); /* RGBA16F and DEPTH24_STENCIL8, bound */
 void create_geometry(void);
-/* `parts`: the texts of the fragment shader, one after the other. */
+/* Returns a program; `parts` are the texts of its fragment shader, in order. */
 GLuint create_program(const char* vertex, const char* const* parts, int count);
 void* get_proc_address(void* user, const char* name);
 
-/* Column-major, from `eye` along -Z, and its inverse. */
+/* Computes the matrix of a view from `eye` along -Z, column-major, and its inverse. */
 void look_forward(const double eye[3], double yfov, double clip_from_world[16], double world_from_clip[16]);
 
 #endif

@@ -1,6 +1,7 @@
-/* A host engine: it owns the context, draws an opaque floor, marks the glass in stencil, asks Sideray for ray-traced
- * shading, and blends the glass with sideray.glsl in its own shader. Any OpenGL error is fatal to it, and it checks
- * that Sideray puts its state back. Prints the glass colour by raster and by rays; exit code 0 if all went well. */
+/* A host engine: it owns the context, draws an opaque floor, marks the glass in the stencil, asks Sideray for
+ * ray-traced shading, and blends the glass with sideray.glsl in its own shader. Any OpenGL error is fatal to it, and it
+ * checks that Sideray restores its state. Prints the glass colour by raster and by rays; exit code 0 if all went
+ * well. */
 #include <sideray/sideray.h>
 #include <stdio.h>
 #include <string.h>
@@ -44,7 +45,7 @@ static sideray_scene* create_scene(void) {
   return scene;
 }
 
-/* State that an engine would have cached and must find unchanged. */
+/* State that an engine would cache, and which must not change. */
 enum { state_count = 18 };
 static void read_state(GLint values[state_count]) {
   static const GLenum names[state_count] = {GL_DRAW_FRAMEBUFFER_BINDING,
@@ -81,7 +82,7 @@ static void draw_glass(GLuint program, uint32_t surface) {
   gl.Disable(GL_BLEND);
 }
 
-/* The opaque pass, then the mask: stencil counts the glass surfaces in each pixel. */
+/* Draws the opaque pass, then the mask: the stencil counts the glass surfaces in each pixel. */
 static void draw_opaque_and_mask(GLuint program) {
   gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
   gl.Enable(GL_DEPTH_TEST);
@@ -99,7 +100,7 @@ static void draw_opaque_and_mask(GLuint program) {
   gl.Disable(GL_STENCIL_TEST);
 }
 
-/* The glass colour in the middle of the picture. */
+/* Draws a frame, and reads the glass colour in the middle of the picture. */
 static void draw_frame(GLuint program, sideray_service* service, const sideray_frame_inputs* inputs, bool by_rays,
                        float pixel[4]) {
   sideray_error error;

@@ -13,7 +13,7 @@ std::string name_of(const mjModel& model, int type, int id) {
   return name ? name : "";
 }
 
-// Columns: the geom's axes, scaled where its mesh is of unit size, and its place.
+// Sets the columns: the geom's axes, scaled where its mesh has unit size, and its position.
 void set_transform(const mjvGeom& geom, sideray_instance_desc& desc) {
   const bool sized = geom.type == mjGEOM_MESH || geom.type == mjGEOM_CAPSULE;
   for (int column = 0; column < 3; ++column) {
@@ -25,7 +25,7 @@ void set_transform(const mjvGeom& geom, sideray_instance_desc& desc) {
   for (int row = 0; row < 3; ++row) desc.world_from_object[9 + row] = static_cast<double>(geom.pos[row]);
 }
 
-// The mean colour of a cube texture, whose faces rays do not look up.
+// Returns the mean colour of a cube texture, since rays do not look up its faces.
 std::array<float, 3> mean_color(const mjModel& model, int texture) {
   const size_t texels = static_cast<size_t>(model.tex_width[texture]) * static_cast<size_t>(model.tex_height[texture]);
   std::array<double, 3> sum{};
@@ -49,7 +49,7 @@ GlassScene::GlassScene(const mjModel& model, std::string also_glass)
   set_sky();
 }
 
-// mjr_render looks the sky up by (x, z, -y) of the world.
+// Sets the environment from the sky texture, which mjr_render looks up by (x, z, -y) of the world.
 void GlassScene::set_sky() {
   const auto sky = std::find(model_.tex_type, model_.tex_type + model_.ntex, int{mjTEXTURE_SKYBOX});
   if (sky == model_.tex_type + model_.ntex) return;
@@ -57,7 +57,7 @@ void GlassScene::set_sky() {
   const auto side = static_cast<uint32_t>(model_.tex_width[texture]);
   const size_t face = size_t{3} * side * side;
   const bool one_for_all = model_.tex_height[texture] == model_.tex_width[texture];
-  // The environment is light, and MuJoCo's texels are what is shown: rays bring it back into the shader's space.
+  // The environment is linear light, and MuJoCo's texels are displayed values: rays convert it back to their space.
   std::vector<float> texels(one_for_all ? face : 6 * face);
   for (size_t i = 0; i < texels.size(); ++i)
     texels[i] = std::pow(static_cast<float>(model_.tex_rgb[static_cast<size_t>(model_.tex_adr[texture]) + i]) / 255.0f, 2.2f);
@@ -90,7 +90,8 @@ sideray_texture GlassScene::texture_of(int texture) {
   return textures_[texture] = scene_.add_texture(width, height, SIDERAY_RGBA8, texels.data());
 }
 
-// As mjr_render lights it: colours are ambient and diffuse at once, the exponent is 128 times the shininess.
+// Returns the material that mjr_render uses: the colour is both ambient and diffuse, the exponent 128 times the
+// shininess.
 sideray_fixed_material GlassScene::look_of(const mjvGeom& geom, bool glass) const {
   sideray_fixed_material look = sideray_fixed_material_defaults();
   std::array<float, 3> mean{1, 1, 1};
@@ -104,7 +105,8 @@ sideray_fixed_material GlassScene::look_of(const mjvGeom& geom, bool glass) cons
   return look;
 }
 
-// Of a plane's texture, `texrepeat` copies lie across it. Glass reflects by its index of refraction.
+// Returns the material of a geom. `texrepeat` copies of its texture cover a plane. Glass reflects by its index of
+// refraction.
 sideray_material GlassScene::material_of(const mjvGeom& geom, bool glass) {
   const bool flat = geom.texid >= 0 && model_.tex_type[geom.texid] == mjTEXTURE_2D && geom.type == mjGEOM_PLANE;
   const MaterialKey key{static_cast<float>(geom.texid), geom.texrepeat[0], geom.texrepeat[1], geom.rgba[0],
@@ -139,7 +141,7 @@ sideray_instance_desc GlassScene::instance_of(const mjvGeom& geom, size_t index)
   return desc;
 }
 
-// The headlight's place is the camera's.
+// Copies the lights. The headlight is at the camera.
 void GlassScene::update_lights(const mjvScene& drawn) {
   std::vector<sideray_fixed_light> lights;
   std::vector<sideray_light> casters;
@@ -152,7 +154,7 @@ void GlassScene::update_lights(const mjvScene& drawn) {
       light.spot_direction[c] = from.dir[c];
     }
     light.position[3] = from.directional ? 0.0 : 1.0;
-    // A light that is turned off may have no direction.
+    // A light that is off may have no direction.
     if (from.directional && light.position[0] == 0 && light.position[1] == 0 && light.position[2] == 0) light.position[2] = 1;
     if (from.directional) {
       light.constant_attenuation = 1;

@@ -1,5 +1,5 @@
-// What MuJoCo draws, as a Sideray scene: geoms become instances, lights and materials those of the fixed function that
-// mjr_render uses. Follows the list that mjv_updateScene makes anew for each frame.
+// Makes a Sideray scene of the geoms that MuJoCo draws. They become instances, with the fixed-function lights and
+// materials of mjr_render. Follows the list that mjv_updateScene makes for each frame.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -20,13 +20,13 @@ class GlassScene {
   GlassScene(const GlassScene&) = delete;
   GlassScene& operator=(const GlassScene&) = delete;
 
-  // Takes over what has changed since the last frame, and commits.
+  // Copies the changes since the last frame, and commits.
   void update(const mjvScene& drawn);
   const sideray::Scene& scene() const { return scene_; }
 
  private:
-  using MeshKey = std::array<float, 4>;  // type, data, and of capsules the size
-  using MaterialKey = std::array<float, 11>;  // all that mjr_render reads of a geom's looks
+  using MeshKey = std::array<float, 4>;  // type, data, and for capsules the size
+  using MaterialKey = std::array<float, 11>;  // the appearance that mjr_render reads from a geom
 
   sideray_mesh mesh_of(const mjvGeom& geom);
   sideray_texture texture_of(int texture);

@@ -1,10 +1,10 @@
-// MuJoCo's own picture, with glass: mjr_render draws what is opaque, Sideray's rays draw the glass into the same offscreen
-// framebuffer, and mjr_readPixels reads it. MuJoCo is not changed, and no shader is written: the fixed function puts both
-// together. Headless, through EGL.
+// Draws MuJoCo's own picture with ray-traced glass: mjr_render draws opaque geoms, Sideray's rays draw the glass into
+// the same offscreen framebuffer, and mjr_readPixels reads it. It needs no change of MuJoCo and no shader: the fixed
+// function composites both. Headless, through EGL.
 //
 //   mujoco_glass MODEL.xml [-o after.png] [--before before.png] [--glass NAME] [--frames N] [--time SECONDS]
 //
-// Glass is what has a material whose name begins with "glass", and the geom or body called NAME.
+// Glass are geoms whose material's name begins with "glass", and the geom or body called NAME.
 #define GL_GLEXT_PROTOTYPES
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
@@ -82,7 +82,7 @@ Matrix product(const float* a, const float* b) {
   return m;
 }
 
-// By Gauss and Jordan, with the largest pivot.
+// Inverts a matrix by Gauss-Jordan elimination with the largest pivot.
 Matrix inverse(Matrix m) {
   Matrix out{};
   for (size_t i = 0; i < 4; ++i) out[5 * i] = 1;
@@ -105,7 +105,7 @@ Matrix inverse(Matrix m) {
   return out;
 }
 
-// A picture of the rectangle's size over what is there, by the fixed function.
+// Draws a texture of the rectangle's size over the picture, by the fixed function.
 void draw_over(GLuint texture, GLenum source, GLenum destination) {
   glBindTexture(GL_TEXTURE_2D, texture);
   glBlendFunc(source, destination);
@@ -117,8 +117,8 @@ void draw_over(GLuint texture, GLenum source, GLenum destination) {
   glEnd();
 }
 
-// picture = radiance + picture * transmittance. A light that casts a shadow makes mjr_render leave another unit active, which has
-// no texture coordinates here.
+// Computes picture = radiance + picture * transmittance. After lights with shadows mjr_render leaves another texture
+// unit active, which has no texture coordinates here.
 void composite(const sideray_layer_outputs& glass) {
   glPushAttrib(GL_ALL_ATTRIB_BITS);
   glActiveTexture(GL_TEXTURE0);
@@ -167,7 +167,7 @@ class Picture {
     mjr_render(size_, &drawn_, &context_);
   }
 
-  // What is opaque by MuJoCo, what is glass by rays.
+  // Draws opaque geoms by MuJoCo, and glass by rays.
   void draw_after(mjData& data) {
     mjv_updateScene(&model_, &data, &options_, nullptr, &camera_, mjCAT_ALL, &drawn_);
     scene_.update(drawn_);
@@ -188,7 +188,7 @@ class Picture {
   mjrRect size() const { return size_; }
 
  private:
-  // mjr_render leaves its camera in the matrices.
+  // Returns the camera, which mjr_render leaves in OpenGL's matrices.
   static sideray_view view() {
     float projection[16], model_view[16];
     glGetFloatv(GL_PROJECTION_MATRIX, projection), glGetFloatv(GL_MODELVIEW_MATRIX, model_view);
@@ -235,7 +235,7 @@ class Picture {
   std::optional<sideray::Service> service_;
 };
 
-// Rows come from the bottom up.
+// Writes a picture, whose rows are from the bottom up.
 void write(const std::string& path, const Picture& picture, const std::vector<uint8_t>& rgb) {
   if (path.empty()) return;
   png_image image{};
@@ -263,7 +263,7 @@ int run(const Arguments& arguments) {
     Picture picture(*model, arguments.glass);
     std::vector<double> before, after;
     std::vector<uint8_t> pictures[2];
-    // mjr_render of 2.2.2 lights the first picture of a context otherwise than all that follow.
+    // mjr_render of 2.2.2 lights the first picture of a context differently from all later ones.
     picture.draw_before(*data);
     picture.read();
     Clock clock;

@@ -21,7 +21,8 @@ void add_quad(Shape& shape, const std::array<Vertex, 4>& v) {
   for (const size_t k : {0u, 1u, 2u, 0u, 2u, 3u}) add(shape, v[k]);
 }
 
-// Quads between rings; `at` gives the vertex at a turn and a height, both 0..1, seen from outside counter-clockwise.
+// Adds quads between rings. `at` returns the vertex at a turn and a height, both 0..1; turns are counter-clockwise seen
+// from outside.
 void add_turned(Shape& shape, int slices, int rings, const std::function<Vertex(float, float)>& at) {
   const auto vertex = [&](int i, int j) {
     return at(static_cast<float>(i % slices) / static_cast<float>(slices), static_cast<float>(j) / static_cast<float>(rings));
@@ -34,7 +35,7 @@ void add_turned(Shape& shape, int slices, int rings, const std::function<Vertex(
 constexpr int slices = 64, rings = 32;
 constexpr float pi = 3.14159265f;
 
-// A sphere of this radius whose halves are moved apart along z.
+// Returns a sphere whose halves are moved apart along z.
 Shape round(float radius, float half_length) {
   Shape shape;
   add_turned(shape, slices, 2 * rings, [&](float turn, float height) {
@@ -92,7 +93,7 @@ Shape plane() {
   return shape;
 }
 
-// Drawn meshes are numbered 2 * mesh, their convex hulls 2 * mesh + 1.
+// Returns a mesh. MuJoCo numbers drawn meshes 2 * mesh, their convex hulls 2 * mesh + 1.
 Shape mesh(const mjModel& model, int mesh) {
   Shape shape;
   const int* faces = model.mesh_face + 3 * model.mesh_faceadr[mesh];

@@ -1,4 +1,4 @@
-// Triangles of MuJoCo's geoms. Glass is seen by rays alone, and may be as fine as one likes.
+// Makes triangles of MuJoCo's geoms. Only rays see glass, so its meshes may be finer than MuJoCo's.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -9,8 +9,10 @@ struct Shape {
   std::vector<float> positions, normals, uv;  // of triangles, three vertices each
 };
 
-// Planes, spheres, capsules, ellipsoids, cylinders, boxes and meshes have one; height fields, skins and decoration do not.
+// Returns whether the geom is a plane, sphere, capsule, ellipsoid, cylinder, box or mesh, not a height field, a skin or
+// decoration.
 bool has_shape(const mjvGeom& geom);
 
-// In the geom's frame: capsules and meshes as they are, all else 2 units large, to be scaled by the geom's size.
+// Returns the shape in the geom's frame: capsules and meshes in their size, others 2 units large, to be scaled by the
+// geom's size.
 Shape shape_of(const mjModel& model, const mjvGeom& geom);

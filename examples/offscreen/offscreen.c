@@ -1,5 +1,5 @@
-/* Draws a glTF file without a display and writes linear radiance: offscreen SCENE.glb OUT.pfm [WIDTH HEIGHT]. C99; of
- * Sideray it needs the installed headers and libraries alone. */
+/* Draws a glTF file without a display and writes linear radiance: offscreen SCENE.glb OUT.pfm [WIDTH HEIGHT]. C99;
+ * needs only Sideray's installed headers and libraries. */
 #include <sideray/scenes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,7 +21,7 @@ static const float* channel(const sideray_picture* picture, const char* name) {
   return NULL;
 }
 
-/* PFM, as its header says: little endian, bottom row first. */
+/* Writes PFM: little endian, bottom row first. */
 static int write_pfm(const char* path, const sideray_picture* picture) {
   const float* planes[3] = {channel(picture, "R"), channel(picture, "G"), channel(picture, "B")};
   uint32_t width, height;

@@ -25,7 +25,7 @@ osg::ref_ptr<osg::GraphicsContext> open_window(int width, int height) {
 
 }  // namespace
 
-// Waits for the picture, so that times are those of whole frames, and keeps it where asked.
+// Waits for the picture, so that times are those of whole frames, and copies it if asked to.
 class Engine::Finish : public osg::Camera::DrawCallback {
  public:
   void operator()(osg::RenderInfo& info) const override {
@@ -43,8 +43,8 @@ class Engine::Finish : public osg::Camera::DrawCallback {
 Engine::Engine(const EngineSettings& settings) : width_(settings.width), height_(settings.height) {
   viewer_ = new osgViewer::Viewer;
   viewer_->setThreadingModel(osgViewer::ViewerBase::SingleThreaded);
-  // OpenSceneGraph pins the drawing thread to one core, and threads made by a pinned thread, as are those of a driver
-  // that draws in software, are pinned with it.
+  // OpenSceneGraph would pin the drawing thread to one core. Threads that a pinned thread starts, such as those of a
+  // software driver, are pinned too.
   viewer_->setUseConfigureAffinity(false);
   osg::Camera& camera = *viewer_->getCamera();
   if (settings.context == "window") {

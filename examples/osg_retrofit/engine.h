@@ -1,4 +1,4 @@
-// The engine as it was before the retrofit: OpenSceneGraph, fixed function, one sun, no shadows. One thread.
+// The engine before the retrofit: OpenSceneGraph, fixed function, one sun, no shadows. One thread.
 #pragma once
 
 #include <osg/Group>
@@ -25,13 +25,13 @@ class Engine {
   osgViewer::Viewer& viewer() { return *viewer_; }
   osg::Group& scene() { return *scene_; }
   void look(const osg::Vec3d& eye, const osg::Vec3d& target, double fov_deg);
-  // A frame: the graph as it is at that time, then its picture.
+  // A frame is an update of the graph to its time, then a drawing.
   void update(double time_s);
   void draw();
-  // Whether draw() keeps what it draws for picture(): RGB, bottom row first.
+  // Says whether draw() copies its picture for picture(): RGB, bottom row first.
   void keep_picture(bool keep);
   const osg::Image& picture() const;
-  std::string renderer() const;  // what OpenGL says it is; after the first frame
+  std::string renderer() const;  // OpenGL's name of itself; call it after the first frame
 
  private:
   int width_, height_;

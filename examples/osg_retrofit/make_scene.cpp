@@ -37,7 +37,7 @@ using sideray::scenes::Texture;
 
 constexpr unsigned on = osg::StateAttribute::ON, off = osg::StateAttribute::OFF;
 
-// The engine reckons with colours as they are shown: a linear factor on linear texels is this factor on codes.
+// Converts a linear factor on linear texels to a factor on codes: the engine computes with displayed values.
 float code(float linear) {
   return std::pow(std::clamp(linear, 0.0f, 1.0f), 1.0f / 2.2f);
 }
@@ -54,7 +54,7 @@ float luminance(glm::vec3 c) {
   return glm::dot(c, glm::vec3(0.2126f, 0.7152f, 0.0722f));
 }
 
-// How one darkened rooms: by what of the sky's light the materials in there take.
+// Returns the share of the sky's light that a material takes: such engines darkened rooms by their materials.
 float ambient_share(const std::string& material) {
   for (const char* inside : {"plaster", "ceiling", "floor tiles", "painted panel", "lacquered bar top"})
     if (material == inside) return 0.4f;
@@ -66,12 +66,12 @@ osg::ref_ptr<osg::Image> image_of(uint32_t width, uint32_t height, const std::ve
   osg::ref_ptr<osg::Image> image = new osg::Image;
   image->allocateImage(static_cast<int>(width), static_cast<int>(height), 1, GL_RGBA, GL_UNSIGNED_BYTE);
   std::memcpy(image->data(), rgba.data(), rgba.size());
-  image->flipVertical();  // from the top row first
+  image->flipVertical();  // it had the top row first
   image->setFileName(name + ".png");
   return image;
 }
 
-// What shines in all glass of such an engine, wherever it stands: a picture of no place, for sphere mapping.
+// Returns the sphere map that all glass of such an engine reflects, wherever it is: a picture of no real place.
 osg::ref_ptr<osg::Image> sheen() {
   constexpr uint32_t size = 128;
   std::vector<uint8_t> rgba;
@@ -79,7 +79,7 @@ osg::ref_ptr<osg::Image> sheen() {
     for (uint32_t x = 0; x < size; ++x) {
       const glm::vec2 p = (glm::vec2(x, y) + 0.5f) / (0.5f * size) - 1.0f;
       const float r2 = std::min(glm::dot(p, p), 0.999f);
-      // The reflected direction of a sphere map's texel; height decides, and a rim that all glass has.
+      // The height of the texel's reflected direction sets its brightness, plus a rim as on all glass.
       const float up = 2.0f * std::sqrt(1.0f - r2) * -p.y, rim = 0.55f * r2 * r2 * r2;
       const float window = glm::smoothstep(0.35f, 0.45f, up) * glm::smoothstep(0.5f, 0.4f, std::abs(p.x + 0.2f));
       const glm::vec3 sky(0.62f, 0.74f, 0.90f), ground(0.22f, 0.19f, 0.16f);
@@ -90,8 +90,8 @@ osg::ref_ptr<osg::Image> sheen() {
   return image_of(size, size, rgba, "sheen");
 }
 
-// The arrays of a geometry, whose triangles are split until none is longer than five metres: light is reckoned at
-// vertices, and a rasterizer that clips a longer one at the eye interpolates depth worse.
+// Holds the arrays of a geometry, whose triangles are split until no side is longer than five metres: lighting is at
+// vertices, and a rasterizer that clips a longer triangle at the eye interpolates depth less exactly.
 struct Vertices {
   osg::ref_ptr<osg::Vec3Array> positions = new osg::Vec3Array, normals = new osg::Vec3Array;
   osg::ref_ptr<osg::Vec2Array> uvs = new osg::Vec2Array;
@@ -192,7 +192,7 @@ class SceneWriter {
     state.setMode(GL_NORMALIZE, on);
   }
 
-  // Drives past in eight seconds, or swings in four.
+  // Adds an animation: the object drives past in eight seconds, or swings in four.
   osg::Group* add_path(osg::Group& root, const std::string& prefix, bool swings) const {
     const auto of_it = [&](const sideray::scenes::Object& o) { return o.name.starts_with(prefix); };
     const auto found = std::find_if(content_.objects.begin(), content_.objects.end(), of_it);
@@ -283,7 +283,7 @@ class SceneWriter {
     m->setDiffuse(osg::Material::FRONT_AND_BACK, color(diffuse));
     m->setSpecular(osg::Material::FRONT_AND_BACK, color(glm::mix(glm::vec3(0.5f * gloss), base, d.metallic)));
     m->setShininess(osg::Material::FRONT_AND_BACK, std::clamp(4.0f / std::pow(d.roughness, 3.0f), 4.0f, 100.0f));
-    // By day lamps glow faintly; windows across the street do not.
+    // By day lamps glow faintly, and windows across the street do not glow.
     if (d.emissive_texture.texture == 0)
       m->setEmission(osg::Material::FRONT_AND_BACK, color(0.5f * code(vec3_of(d.emissive))));
     state.setAttributeAndModes(m);
@@ -317,7 +317,7 @@ class SceneWriter {
     state.setRenderingHint(osg::StateSet::TRANSPARENT_BIN);
   }
 
-  // Glass as one blended it: dst = colour + dst * (1 - alpha), the sphere map added to what is lit.
+  // Makes glass as it was blended then: dst = colour + dst * (1 - alpha), with the sphere map added to the lit colour.
   void make_glass(osg::StateSet& state, const Material& material) {
     const sideray_material_desc& d = material.desc;
     glm::vec3 passes(1.0f - d.base_color[3]), tint = code(vec3_of(d.base_color));

@@ -13,7 +13,7 @@ F entry_point(const char* name) {
   return reinterpret_cast<F>(eglGetProcAddress(name));
 }
 
-// Started displays of the platform, in the driver's order.
+// Returns initialized displays of the platform, in the driver's order.
 std::vector<EGLDisplay> displays(const std::string& platform) {
   const auto get_display = entry_point<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
   const auto query_devices = entry_point<PFNEGLQUERYDEVICESEXTPROC>("eglQueryDevicesEXT");

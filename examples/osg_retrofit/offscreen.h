@@ -1,5 +1,5 @@
-// A headless OpenGL context of the engine's own, compatibility profile: a pbuffer with colour, 24 bits of depth and 8
-// of stencil. Current on the thread that made it until it is destroyed.
+// Holds a headless OpenGL context of the engine, in the compatibility profile, with a pbuffer of colour, 24 bits of
+// depth and 8 of stencil. It is current on the thread that made it until it is destroyed.
 #pragma once
 
 #include <string>

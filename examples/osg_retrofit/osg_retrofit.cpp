@@ -1,4 +1,4 @@
-// The engine, before and after: osg_retrofit --help. Pictures, a window, or times.
+// Runs the engine before and after the retrofit, for pictures, a window, or times: osg_retrofit --help.
 #include <osgDB/WriteFile>
 #include <osgGA/TrackballManipulator>
 
@@ -79,7 +79,7 @@ struct FrameTime {
   double all_ms, follow_ms;
 };
 
-// One frame as the engine draws it; `adapter` follows what the engine has moved.
+// Draws a frame of the engine; `adapter` follows the nodes that it has moved.
 FrameTime draw_frame(Engine& engine, sideray_osg::SceneAdapter* adapter, double time_s) {
   using Clock = std::chrono::steady_clock;
   const auto ms = [](Clock::duration d) { return std::chrono::duration<double, std::milli>(d).count(); };
@@ -97,7 +97,8 @@ double quantile(std::vector<double> values, size_t quarter) {
   return values[(values.size() - 1) * quarter / 4];
 }
 
-// Holds what the frames' glass and opaque pixels show, percent, and how long the engine went without a new answer.
+// Holds the shares of pixels, in percent, with answers of this frame, with older ones and without, and the times
+// between new answers.
 struct Answers {
   std::vector<double> now, older, none, mask_none, gaps_ms;
   uint64_t oldest = 0;
@@ -119,14 +120,14 @@ struct Answers {
   }
 };
 
-// Draws the frames and prints their times; the service's are those of the newest frame that it has finished.
+// Draws the frames and prints their times. Those of the service are of its newest finished frame.
 void print_times(Engine& engine, sideray_osg::SceneAdapter* adapter, const Retrofit* retrofit, const Options& o,
                  const char* what, int deadline_ms = 0) {
   std::vector<double> all, follow;
   Answers answers;
   double since_answer_ms = 0;
   sideray_ticket newest = retrofit ? retrofit->newest() : 0;
-  // Under a deadline answers come bit by bit.
+  // Under a deadline answers arrive in pieces, so more frames are drawn before measuring.
   for (int i = deadline_ms > 0 ? -o.frames : -2; i < o.frames; ++i) {
     const FrameTime t = draw_frame(engine, adapter, o.time_s + frame_s * std::max(i, 0));
     if (i < 0) continue;
@@ -176,7 +177,7 @@ void print_stats(Engine& engine, const Options& o) {
     }
 }
 
-// The engine goes on without what failed.
+// Removes a failed retrofit, without which the engine continues.
 void check(std::optional<Retrofit>& retrofit) {
   if (!retrofit || retrofit->error().empty()) return;
   std::fprintf(stderr, "osg_retrofit: %s; the engine goes on without\n", retrofit->error().c_str());

@@ -21,8 +21,8 @@ namespace {
 // Render bins between the opaque one, 0, and the sorted one of blended drawables, 10.
 enum { mask_bin = 5, hook_bin = 6, shadow_bin = 7 };
 constexpr unsigned stencil_bits = 0x3f, first_unit = 4, position_unit = 1, depth_unit = 3;
-// Of the snippet, with their units as sideray_service_bind counts them: until the first frame is bound they must not share
-// one, for samplers of different kinds then make any draw an error.
+// A sampler of the snippet, with its unit as sideray_service_bind counts it. Units must differ before the first frame
+// is bound: samplers of different kinds on one unit make any draw an error.
 struct Sampler {
   const char* name;
   unsigned unit;
@@ -50,7 +50,7 @@ unsigned handle_of(const osg::Program& program, osg::State& state) {
   return program.getPCP(state)->getHandle();
 }
 
-// Draws a glass drawable once more, into the stencil alone: it counts what lies before the opaque surface.
+// Draws a glass drawable again, into the stencil alone, which counts the surfaces in front of the opaque one.
 class MaskCallback : public osg::DrawableCullCallback {
  public:
   MaskCallback() {
@@ -94,7 +94,7 @@ osg::ref_ptr<osg::Geometry> full_screen(const osg::Program& program) {
 
 }  // namespace
 
-// Draws nothing: its turn is when the opaque picture is finished.
+// Draws nothing; OpenSceneGraph calls it when the opaque picture is finished.
 class Retrofit::Hook : public osg::Drawable {
  public:
   Hook(const sideray::Scene& scene, const RetrofitSettings& settings, const osg::Program& glass,
@@ -116,7 +116,7 @@ class Retrofit::Hook : public osg::Drawable {
     }
   }
 
-  // A failure ends the retrofit, not the engine.
+  // Runs the retrofit's part of the frame. A failure ends the retrofit, not the engine.
   void drawImplementation(osg::RenderInfo& info) const override {
     if (!error_.empty()) return;
     try {
@@ -126,7 +126,7 @@ class Retrofit::Hook : public osg::Drawable {
     }
   }
 
-  // Bound by the pass that multiplies the shadows; filled before it.
+  // The pass that multiplies the shadows binds both; they are set before it.
   osg::Texture2D& depth() const { return *depth_; }
   osg::Uniform& world_from_clip() const { return *world_from_clip_; }
   osg::Uniform& late() const { return *late_; }
@@ -166,7 +166,8 @@ class Retrofit::Hook : public osg::Drawable {
   }
 
   void set_view(const osg::State& state, const osg::Camera& camera) const {
-    // The viewport starts at 0, 0. The matrix as it is drawn with: OpenSceneGraph fits near and far to what is in view.
+    // The viewport starts at 0, 0. This is the matrix of the draws: OpenSceneGraph fits near and far to the visible
+    // scene.
     const osg::Matrixd clip_from_world = camera.getViewMatrix() * state.getProjectionMatrix();
     const osg::Matrixd world_from_clip = osg::Matrixd::inverse(clip_from_world);
     // Row vectors in row-major order are column vectors in column-major order.
@@ -202,13 +203,13 @@ class Retrofit::Hook : public osg::Drawable {
   void submit_and_take() const {
     service_->advance();
     std::optional<sideray_ticket> ticket = service_->submit(inputs_);
-    // No ticket: three frames are in flight. This frame shows what there is, or waits until it can be submitted.
+    // Without a ticket three frames are in flight. This frame shows older answers, or waits until it can be submitted.
     while (!ticket && settings_.wait) {
       service_->advance();
       ticket = service_->submit(inputs_);
     }
     if (settings_.wait) service_->wait(*ticket);
-    // This engine never cuts: what a deadline leaves out of the next frames shows the answers of those before.
+    // This engine has no camera cuts, so that pixels that miss the deadline may show answers of earlier frames.
     if (ticket) inputs_.frame.continues = 1;
     // Layers are the last job of a frame here, so that its statistics are complete.
     if (const auto newest = service_->layers()) {
@@ -241,7 +242,7 @@ Retrofit::Retrofit(osgViewer::Viewer& viewer, osg::Group& root, const sideray_os
       shadow_program_(program_of("shadows by rays", shadow_vertex, shadow_fragment)) {
   const osg::ref_ptr<MaskCallback> mask = new MaskCallback;
   osg::ref_ptr<osg::TexGen> world_position = new osg::TexGen;
-  world_position->setMode(osg::TexGen::EYE_LINEAR);  // of the eye's planes when the view was set: world positions
+  world_position->setMode(osg::TexGen::EYE_LINEAR);  // planes were set with the view: world positions
   for (const sideray_osg::Glass& glass : glass_) {
     glass.drawable->setCullCallback(mask);
     glass.own->getOrCreateStateSet()->addUniform(new osg::Uniform("surface", glass.surface_id));

@@ -1,5 +1,5 @@
-// The hook: what asks Sideray for a frame between the engine's opaque and blended draws, and what reads the answers.
-// The thread that draws, with the engine's context current; adapter and graph are only touched in the constructor.
+// Requests a frame of Sideray between the engine's opaque and blended draws, and shows its answers. Call it on the
+// drawing thread with the engine's context current; only the constructor touches adapter and graph.
 #pragma once
 
 #include <osg/Group>
@@ -14,10 +14,10 @@
 #include "sideray_osg.h"
 
 struct RetrofitSettings {
-  bool wait = true;  // for this frame's rays; else the frame shows the newest answers there are, mostly one frame old
+  bool wait = true;  // for this frame's rays; else the newest answers are shown, mostly one frame old
   uint32_t layers = 4;
   bool shadows = true;
-  float deadline_ms = 0;  // rays that have not begun by then are given up, and older answers shown; 0 = none
+  float deadline_ms = 0;  // rays not begun by then are skipped, and older answers shown; 0 = none
   uint32_t threads = 0;   // 0 = all
 };
 
@@ -25,14 +25,14 @@ class Retrofit {
  public:
   Retrofit(osgViewer::Viewer& viewer, osg::Group& root, const sideray_osg::SceneAdapter& adapter,
            const RetrofitSettings& settings);
-  // Takes everything off the graph again; the engine draws as before. On the thread that draws.
+  // Removes everything from the graph: the engine draws as before. Call it on the drawing thread.
   ~Retrofit();
   Retrofit(const Retrofit&) = delete;
   Retrofit& operator=(const Retrofit&) = delete;
 
   void set_wait(bool wait);
   void set_deadline(float milliseconds);
-  // Why it gave up, empty while all is well. Then destroy it: glass without answers is not drawn right.
+  // Returns why the retrofit has stopped, empty if it has not. Then destroy it: glass without answers is drawn wrongly.
   const std::string& error() const;
   // Return the statistics of the newest finished frame, and its ticket; 0 before the first.
   sideray_frame_stats stats() const;

@@ -1,8 +1,8 @@
-// The shader lines of the retrofit. GLSL 1.30; sideray_glsl(130) goes between the #version line and these.
+// The retrofit's shaders in GLSL 1.30; sideray_glsl(130) goes between the #version line and these.
 #pragma once
 
-// A glass drawable as the fixed function blended it (its lit colour plus the sphere map), by rays where they have an
-// answer. Vertices stay with the fixed function: unit 1 generates world positions.
+// Draws glass as the fixed function did (its lit colour plus the sphere map), or by rays where they have an answer.
+// Vertices stay with the fixed function: unit 1 generates world positions.
 inline constexpr char glass_fragment[] = R"(
 uniform sampler2D sheen;
 uniform uint surface;
@@ -12,8 +12,8 @@ void main() {
 }
 )";
 
-// Drawn over the opaque picture, which it multiplies by what is left of a surface's light where the sun is hidden. The
-// fixed function keeps no normals: they are found in a copy of the depth buffer.
+// Multiplies the opaque picture by the share of light that is left where the sun is occluded. The fixed function has no
+// normals to read: they come from a copy of the depth buffer.
 inline constexpr char shadow_vertex[] = "#version 130\nvoid main() { gl_Position = gl_Vertex; }\n";
 inline constexpr char shadow_fragment[] = R"(
 uniform sampler2D depth;

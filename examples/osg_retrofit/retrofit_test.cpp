@@ -1,4 +1,4 @@
-// The retrofit changes what it is meant to change, and nothing else: one engine, headless, many frames.
+// Tests that the retrofit changes glass and shadows and nothing else, in one headless engine over many frames.
 #include <gtest/gtest.h>
 #include <osg/GLExtensions>
 #include <osg/MatrixTransform>
@@ -24,7 +24,7 @@ void GL_APIENTRY remember(GLenum, GLenum type, GLuint, GLenum, GLsizei, const GL
 
 struct Picture {
   std::vector<uint8_t> rgb;
-  std::vector<uint8_t> stencil;  // how many blended surfaces lie there, where the retrofit counts them
+  std::vector<uint8_t> stencil;  // number of blended surfaces, if the retrofit counts them
 
   int largest_difference(const Picture& other, size_t pixel) const {
     int largest = 0;
@@ -34,7 +34,7 @@ struct Picture {
   bool same_at(const Picture& other, size_t pixel) const { return largest_difference(other, pixel) == 0; }
 };
 
-// Pixels of which `f` holds.
+// Counts the pixels for which `f` returns true.
 template <typename F>
 size_t count(F&& f) {
   size_t n = 0;
@@ -122,12 +122,12 @@ TEST_F(RetrofitTest, TakenOffTheEngineDrawsTheSameBits) {
   EXPECT_EQ(draw(0).rgb, before.rgb);
 }
 
-// The first frame of an engine that does not wait: what the shader lines fall back to.
+// The first frame of an engine that does not wait shows the fallback of the shaders.
 TEST_F(RetrofitTest, WithoutAnswersItLooksAsBefore) {
   RetrofitSettings settings;
   settings.wait = false;
   const Picture first = draw_retrofitted(settings);
-  // At silhouettes a sphere map's coordinates come near 0 / 0, and the driver's vertex programs round differently.
+  // At silhouettes sphere map coordinates are near 0 / 0, and the driver's vertex programs round differently.
   const auto of_one = [&](size_t p) { return first.stencil[p] == 1; };
   EXPECT_LT(count([&](size_t p) { return of_one(p) && first.largest_difference(before, p) > 1; }), count(of_one) / 100);
   EXPECT_EQ(count([&](size_t p) { return first.stencil[p] == 0 && !first.same_at(before, p); }), 0u);
@@ -153,7 +153,7 @@ TEST_F(RetrofitTest, ShadowsDarkenOpaqueSurfacesAlone) {
   EXPECT_EQ(brighter, 0u);
   const size_t all = 3 * count(opaque);
   EXPECT_GT(darker, all / 5);
-  EXPECT_LT(darker, all * 4 / 5);  // the rest lies in the sun, or turns away from it
+  EXPECT_LT(darker, all * 4 / 5);  // the rest is in the sun, or faces away from it
 }
 
 TEST_F(RetrofitTest, WhatMovesMovesInTheGlass) {
@@ -161,7 +161,7 @@ TEST_F(RetrofitTest, WhatMovesMovesInTheGlass) {
   const Picture at_first = draw(0);
   const Picture forgotten = draw(0.8, false), followed = draw(0.8);
   EXPECT_EQ(moved, 7u);  // four parts of the van, three of the lantern
-  // The van is behind the viewer: where it is, only glass can tell.
+  // The van is behind the viewer: only reflections in glass show it.
   const auto changed = [&](const Picture& p) {
     return count([&](size_t i) { return p.stencil[i] == 1 && at_first.stencil[i] == 1 && !p.same_at(at_first, i); });
   };
@@ -174,7 +174,7 @@ TEST_F(RetrofitTest, LateAnswersAreThoseThatWereWaitedFor) {
   RetrofitSettings settings;
   settings.wait = false;
   Retrofit retrofit(engine->viewer(), engine->scene(), *adapter, settings);
-  // Nothing moves: once an answer has come, the picture is the same.
+  // Nothing moves, so that the picture is the same once an answer has come.
   Picture late;
   for (int frame = 0; frame < 1000 && late.rgb != waited.rgb; ++frame) late = draw(0);
   EXPECT_EQ(late.rgb, waited.rgb);

@@ -1,4 +1,4 @@
-// What this engine's owner tells the adapter about the terrace: what its classic materials do not say. Any thread.
+// Tells the adapter the properties of the terrace that classic materials lack. Any thread.
 #pragma once
 
 #include "sideray_osg.h"

@@ -39,7 +39,7 @@ void set(float* to, const osg::Vec4& from) {
   for (unsigned i = 0; i < 3; ++i) to[i] = from[i];
 }
 
-// Four columns of three, from OpenSceneGraph's row vectors.
+// Writes four columns of three, from a matrix for OpenSceneGraph's row vectors.
 void set(double* to, const osg::Matrixd& matrix) {
   for (int column = 0; column < 4; ++column)
     for (int row = 0; row < 3; ++row) to[3 * column + row] = matrix(column, row);
@@ -64,15 +64,15 @@ sideray_blend_mode blend_mode_of(const osg::StateSet& state) {
   return source == GL_ONE ? SIDERAY_BLEND_PREMULTIPLIED : SIDERAY_BLEND_ALPHA;
 }
 
-// What adds light or takes it away (flames, smudges) stays as it was drawn.
+// Returns whether rays may draw it. Additive and multiplied surfaces (flames, smudges) stay as they were.
 bool is_glass(const osg::StateSet& state) {
   const sideray_blend_mode mode = blend_mode_of(state);
   return is_on(state, GL_BLEND) && (mode == SIDERAY_BLEND_ALPHA || mode == SIDERAY_BLEND_PREMULTIPLIED);
 }
 
-// Classic materials have no unit. Read so that the tracer's Lambert and Blinn-Phong-like lobes give about what the
-// fixed function does: diffuse as albedo, the exponent as a roughness, the specular colour on the reflectance of
-// plastic.
+// Converts a classic material, which has no units, so that the tracer's Lambert and Blinn-Phong-like lobes look about
+// as in the fixed function: diffuse becomes albedo, the exponent roughness, and the specular colour scales the
+// reflectance of plastic.
 void set_colors(const osg::StateSet& state, sideray_material_desc& d) {
   const auto front = osg::Material::FRONT;
   const auto* m = attribute<osg::Material>(state, osg::StateAttribute::MATERIAL);
@@ -95,8 +95,8 @@ sideray_wrap wrap_of(osg::Texture::WrapMode mode) {
   return mode == osg::Texture::MIRROR ? SIDERAY_MIRROR : SIDERAY_CLAMP;
 }
 
-// An environment that no ray sees where a sky is drawn, but that lights as the engine's ambient term does, and as its
-// lights without shadows do, each a texel whose solid angle gives the same irradiance.
+// Makes an environment that lights as the engine's ambient term does, and as its lights without shadows do: each is a
+// texel, scaled by its solid angle for the same irradiance. Where a sky is drawn, rays see that instead.
 class Surroundings {
  public:
   explicit Surroundings(osg::Vec4 ambient) : rgb_(3 * width * height) {
@@ -120,7 +120,7 @@ class Surroundings {
 
 }  // namespace
 
-// Meets every geometry with the state sets above it.
+// Visits every geometry, with the state sets above it.
 class Walk : public osg::NodeVisitor {
  public:
   explicit Walk(SceneAdapter& adapter) : NodeVisitor(TRAVERSE_ACTIVE_CHILDREN), adapter_(adapter) {}
@@ -184,7 +184,7 @@ void SceneAdapter::place(osg::Geometry& geometry, const osg::NodePath& path, con
   const osg::Matrixd world_from_object = osg::computeLocalToWorld(path);
   set(instance.world_from_object, world_from_object);
   instance.surface_id = static_cast<uint32_t>(placed_.size()) + 1;
-  // What leaves no depth is scenery, a sky: it is seen, but casts no shadow.
+  // Geometry that writes no depth is scenery, such as a sky: it is visible but casts no shadow.
   const auto* depth = attribute<osg::Depth>(*state, osg::StateAttribute::DEPTH);
   const bool scenery = !blended && depth && !depth->getWriteMask();
   instance.visibility = scenery ? SIDERAY_VISIBLE_REFLECTION : SIDERAY_VISIBLE_ALL;
@@ -224,7 +224,7 @@ sideray_mesh SceneAdapter::mesh_of(osg::Geometry& geometry) {
   desc.vertex_count = count;
   desc.positions = floats(positions, osg::Array::Vec3ArrayType, count);
   desc.normals = floats(geometry.getNormalArray(), osg::Array::Vec3ArrayType, count);
-  // Rows of images are given from the bottom, as OpenGL has them, so texture coordinates stay as they are.
+  // Image rows are from the bottom up, as in OpenGL, so that texture coordinates need no change.
   desc.uv0 = floats(geometry.getTexCoordArray(0), osg::Array::Vec2ArrayType, count);
   desc.index_count = static_cast<uint32_t>(triangles.indices.size());
   desc.indices = triangles.indices.data();
@@ -254,7 +254,7 @@ sideray_material SceneAdapter::material_of(const States& states, const osg::Stat
 sideray_texture_slot SceneAdapter::slot_of(const osg::StateSet& state) {
   sideray_texture_slot slot = sideray_material_defaults().base_color_texture;
   const auto* texture = dynamic_cast<const osg::Texture2D*>(state.getTextureAttribute(0, osg::StateAttribute::TEXTURE));
-  // Generated coordinates are reflections as they were faked; rays give real ones.
+  // Generated coordinates are faked reflections, which rays replace by real ones.
   if (!texture || !texture->getImage() || state.getTextureAttribute(0, osg::StateAttribute::TEXGEN)) return slot;
   slot.texture = texture_of(*texture->getImage());
   slot.wrap_u = wrap_of(texture->getWrap(osg::Texture::WRAP_S));
@@ -262,7 +262,7 @@ sideray_texture_slot SceneAdapter::slot_of(const osg::StateSet& state) {
   return slot;
 }
 
-// A classic material's ambient colour, where it is darker than the diffuse one: occlusion all over.
+// Sets a classic material's ambient colour, where it is darker than the diffuse one, as uniform occlusion.
 void SceneAdapter::set_ambient(const osg::StateSet& state, sideray_material_desc& d) {
   const auto* m = attribute<osg::Material>(state, osg::StateAttribute::MATERIAL);
   if (d.unlit || !m) return;
@@ -284,7 +284,7 @@ sideray_texture SceneAdapter::texture_of(const osg::Image& image) {
     for (int x = 0; x < image.s(); ++x)
       for (unsigned c = 0; c < 4; ++c)
         texels.push_back(static_cast<uint8_t>(std::lround(255.0f * image.getColor(x, y)[c])));
-  // As stored, not sRGB: the engine adds light in the space of what is shown, and so do then the rays.
+  // Not sRGB: the engine adds light in the space of displayed values, and so do the rays.
   return texture = scene_.add_texture(static_cast<uint32_t>(image.s()), static_cast<uint32_t>(image.t()), SIDERAY_RGBA8,
                                       texels.data());
 }
@@ -301,7 +301,7 @@ void SceneAdapter::set_lights(const std::vector<Lamp>& lamps, osg::Vec4 ambient)
     osg::Vec3d toward =
         osg::Matrixd::transform3x3(osg::Vec3d(position.x(), position.y(), position.z()), lamp.world_from_light);
     toward.normalize();
-    // Lambert's 1 / pi is in the tracer, not in the engine.
+    // The tracer divides diffuse light by pi, the engine does not.
     const osg::Vec4 irradiance = lamp.light->getDiffuse() * static_cast<float>(osg::PI);
     if (!rules_.shadow_lights.contains(lamp.light->getLightNum())) {
       surroundings.add(toward, irradiance);

@@ -1,5 +1,5 @@
-// An OpenSceneGraph scene as a Sideray scene: what the owner of such an engine copies. Knows OpenSceneGraph and
-// Sideray, calls no OpenGL. The thread that updates the scene graph.
+// Makes a Sideray scene of an OpenSceneGraph scene, for owners of such engines to copy. Knows OpenSceneGraph and
+// Sideray, calls no OpenGL. Call it on the thread that updates the scene graph.
 #pragma once
 
 #include <osg/Geometry>
@@ -15,34 +15,34 @@
 
 namespace sideray_osg {
 
-// What the scene graph does not say.
+// Holds properties that the scene graph lacks.
 struct Rules {
-  // Numbers of the lights whose shadows are traced. The others light, unshadowed, as they do in the engine.
+  // Numbers of the lights whose shadows are traced. Other lights have no shadows, as in the engine.
   std::set<int> shadow_lights = {0};
-  // Changes what was made of a state set, before it becomes a material: how much its glass reflects, for example.
+  // Changes the description made from a state set before it becomes a material, for example the reflectance of glass.
   std::function<void(const osg::StateSet&, sideray_material_desc&)> adjust;
 };
 
-// A blended drawable, as often as the graph shows it.
+// Holds one occurrence of a blended drawable in the graph.
 struct Glass {
   osg::ref_ptr<osg::Drawable> drawable;
   osg::ref_ptr<osg::StateSet> blended;  // the state set that turns blending on
-  osg::ref_ptr<osg::Node> own;          // the lowest node that no other place in the graph shares
+  osg::ref_ptr<osg::Node> own;          // the lowest node with a single parent path
   uint32_t surface_id;
 };
 
-// Of the first light whose shadows are traced, as the engine reckons with it.
+// Holds the first light whose shadows are traced, in the engine's values.
 struct Lighting {
   osg::Vec3 toward_sun, sun, ambient;
 };
 
 class SceneAdapter {
  public:
-  // Reads all that is under `root`: geometries, their state sets, directional lights. Throws sideray::Error or
-  // std::runtime_error on what it cannot map.
+  // Reads the geometries, state sets and directional lights under `root`. Throws sideray::Error or std::runtime_error
+  // for what it cannot convert.
   SceneAdapter(osg::Node& root, const Rules& rules);
 
-  // Follows nodes that have moved since; commits where any has. Returns how many instances moved.
+  // Moves the instances of nodes that have moved, and commits if there are any. Returns the number of moved instances.
   size_t update();
 
   const sideray::Scene& scene() const { return scene_; }

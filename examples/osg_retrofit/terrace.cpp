@@ -23,7 +23,7 @@ using scenes::bistro::left_x;
 using scenes::bistro::right_x;
 using scenes::bistro::window_z;
 
-// The terrace lies before the windows, between the wall and the kerb.
+// The terrace is in front of the windows, between the wall and the kerb.
 constexpr float wall_z = window_z - 0.14f, kerb_z = -6.25f, wing = 11.0f, roof_y = 8.2f;
 
 uint32_t painted(Kit& kit, const std::string& name, uint32_t width, uint32_t height, const scenes::Paint& paint,
@@ -84,7 +84,7 @@ void add_paving(Kit& kit) {
   kit.b.object("lawn", kit.b.mesh(lawn, "lawn"), painted(kit, "grass", 512, 512, lawn_texel));
 }
 
-// The street side of the house: plinth and fascia about the windows, plain walls beside and above.
+// Adds the street side of the house: plinth and fascia around the windows, plain walls beside and above.
 void add_front(Kit& kit) {
   Shape joinery, stone, trim, dark;
   joinery.bevelled_box({left_x - 0.1f, 0, wall_z - 0.02f}, {right_x + 0.1f, 0.5f, window_z - 0.02f}, 0.01f);
@@ -163,7 +163,7 @@ void add_tables(Kit& kit) {
   for (int i = 0; i < 4; ++i) add_table(kit, i + 1, places[i], 2);
 }
 
-// About its middle on the ground, driving along +x.
+// Adds a van that drives along +x, with its origin at its middle on the ground.
 void add_van(Kit& kit) {
   Shape body, glass, tyres, hubs;
   body.bevelled_box({-2.1f, 0.35f, -0.9f}, {2.1f, 1.15f, 0.9f}, 0.12f);
@@ -191,7 +191,7 @@ void add_van(Kit& kit) {
   kit.b.object("van hubs", kit.b.mesh(hubs, "van hubs"), kit.m.steel, at);
 }
 
-// Hangs from the fascia by a chain, about the hook.
+// Adds a lantern that hangs from the fascia by a chain, with its origin at the hook.
 void add_lantern(Kit& kit) {
   Shape iron, glass;
   constexpr float top = -0.42f, bottom = -0.80f, wide = 0.13f, narrow = 0.09f;
@@ -237,7 +237,7 @@ scenes::Content make_terrace() {
   add_lantern(kit);
   scenes::Content content = kit.b.take();
   content.lights.clear();
-  // Two houses across the street make way for a park, and the evening for the day.
+  // A park replaces two houses across the street, and day replaces the evening.
   std::erase_if(content.objects, [](const scenes::Object& o) {
     return o.name == "dusk" || o.name.starts_with("house1 ") || o.name.starts_with("house2 ");
   });
