@@ -1,5 +1,5 @@
-// Puts what MuJoCo shows behind everything behind a picture: a sky that lights nothing, or nothing in place of what lights; and
-// the haze around the horizon of planes without an end.
+// Adds MuJoCo's background to a picture: a sky that lights nothing, or none although an environment lights the scene,
+// and the haze at the horizon of infinite planes.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 
 using Vec3 = std::array<float, 3>;
 
-// Of each face of OpenGL's cubes (+X, -X, +Y, -Y, +Z, -Z): the axes that s and t follow, and their signs.
+// Holds the axes and signs of s and t on a face of OpenGL's cubes (+X, -X, +Y, -Y, +Z, -Z).
 struct Face {
   size_t s, t;
   float s_sign, t_sign;
@@ -25,7 +25,7 @@ float linear_of_srgb(float v) {
   return v <= 0.04045f ? v / 12.92f : static_cast<float>(std::pow((double{v} + 0.055) / 1.055, 2.4));
 }
 
-// The faces of a sky, (6, side, side, channels), in MuJoCo's world, where z is up and the cube has y for it.
+// Looks up the faces of a sky, (6, side, side, channels). In MuJoCo's world z is up, in the cube y.
 class Sky {
  public:
   Sky(const Array<uint8_t>& faces, bool srgb) : texels_(faces.data()), srgb_(srgb) {
@@ -35,7 +35,7 @@ class Sky {
     if (side_ < 1 || channels_ < 3) throw Error(SIDERAY_INVALID_ARGUMENT, "faces: give texels of three channels or more");
   }
 
-  // In a direction of any length.
+  // Returns the sky in a direction of any length.
   Vec3 look_up(const Vec3& world) const {
     const Vec3 d = {world[0], world[2], -world[1]};
     size_t axis = 0;
@@ -78,13 +78,13 @@ Vec3 vector_of(const Array<double>& array, const char* what) {
   return {static_cast<float>(array.data()[0]), static_cast<float>(array.data()[1]), static_cast<float>(array.data()[2])};
 }
 
-// MuJoCo's haze: planes without an end go over into a colour, and that into the sky at the horizon. As measured in its pictures,
-// it is two strips around what is below the eye: from the plane, at (1 - share) of `end`, to the colour at `end`, and on to
-// nothing at the eye's height at (1 + share) of `end`; the inner edge of the first lies as far below the plane as its distance
-// is enlarged by 1 + share. Nothing of the plane is seen beyond `end`.
+// Computes MuJoCo's haze, which blends infinite planes into a colour, and that into the sky at the horizon. As measured
+// in its pictures, it is two strips around the viewer. The first goes from no haze, at (1 - share) of the distance `end`,
+// to the colour at `end`. The second goes on to no haze, at (1 + share) of `end` and at the eye's height. The inner edge
+// of the first is moved away from the eye by the factor 1 + share, to below the plane. The plane ends at `end`.
 struct Haze {
   Array<uint32_t> surfaces;   // of each pixel
-  Array<uint8_t> is_endless;  // of each surface id: the background (0) and planes without an end
+  Array<uint8_t> is_endless;  // of each surface id: 1 for the background (0) and infinite planes
   Vec3 color, up;             // up: of the plane, unit
   float height, end, share;   // of the eye above the plane
 
@@ -92,17 +92,17 @@ struct Haze {
     const uint32_t surface = surfaces.data()[pixel];
     return surface < static_cast<size_t>(is_endless.size()) && is_endless.data()[surface] != 0;
   }
-  // How far a direction leads down for each step along the plane, in units of that of the strips' common edge.
+  // Returns the downward slope of a direction, in units of the slope to the common edge of the strips.
   float slope(const Vec3& d) const {
     const float down = -(d[0] * up[0] + d[1] * up[1] + d[2] * up[2]);
     const float squared = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - down * down;
     return down * end / (height * std::sqrt(std::max(squared, 1e-20f)));
   }
-  // How much of a direction's colour is the haze's. Along a strip, which is seen in perspective.
+  // Returns the share of haze in the colour at a slope, linear along each strip, which is seen in perspective.
   float share_at(float slope) const {
     if (slope <= 0.0f) return 0.0f;
     if (slope < 1.0f) return slope * (1.0f + share) / (1.0f + slope * share);
-    const float left = (1.0f + share) * (1.0f - (1.0f - share) * slope);  // what is left to the inner edge
+    const float left = (1.0f + share) * (1.0f - (1.0f - share) * slope);  // remaining distance to the inner edge
     return left <= 0.0f ? 0.0f : left / (left + slope - 1.0f);
   }
 };
@@ -116,7 +116,7 @@ Haze haze_of(const py::dict& fields, py::ssize_t pixels) {
   return haze;
 }
 
-// Calls work(first, end) for as many parts of the rows as threads are worth their start.
+// Calls work(first, end) for parts of the rows on several threads, as many as are worth starting.
 template <typename Work>
 void by_rows(py::ssize_t height, py::ssize_t width, py::ssize_t threads, const Work& work) {
   constexpr py::ssize_t pixels_worth_a_thread = 32768;
@@ -127,8 +127,9 @@ void by_rows(py::ssize_t height, py::ssize_t width, py::ssize_t threads, const W
   work(py::ssize_t{0}, height / parts);
 }
 
-// Where nothing hides it, `added` is added and the sky times `sky_share`. planes: R, G, B, A. A pixel's direction is corner +
-// column * across + row * down. haze: the fields of Haze. Returns (height, width, 3).
+// Returns (height, width, 3): the picture with `added` and the sky times `sky_share` wherever nothing hides the
+// background. `planes` are R, G, B, A. A pixel's direction is corner + column * across + row * down. `haze` has the
+// fields of Haze.
 py::array with_backdrop(const std::vector<Array<float>>& planes, const Array<double>& added,
                         const std::optional<Array<uint8_t>>& faces, double sky_share, bool srgb, const Array<double>& corner,
                         const Array<double>& across, const Array<double>& down, py::ssize_t threads,
@@ -179,7 +180,7 @@ py::array with_backdrop(const std::vector<Array<float>>& planes, const Array<dou
   return result;
 }
 
-// Numbers of 0 to 1 as they are, in 256 steps.
+// Quantizes numbers of 0 to 1 to 256 steps, without a transfer curve.
 py::array as_bytes(const Array<float>& values) {
   py::array_t<uint8_t> result(std::vector<py::ssize_t>(values.shape(), values.shape() + values.ndim()));
   uint8_t* to = result.mutable_data();

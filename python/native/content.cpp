@@ -1,4 +1,4 @@
-// Files and built-in scenes, as the program reads them.
+// Reads files and built-in scenes, as the program does.
 #include "scenes/content/content.h"
 
 #include "python/native/native.h"
@@ -10,7 +10,7 @@ namespace {
 
 struct ContentHandle {
   scenes::Content content;
-  std::vector<bool> traced;  // what the scene that it filled has
+  std::vector<bool> traced;  // as set in the filled scene
 };
 
 std::unique_ptr<ContentHandle> load(const std::string& scene, const std::string& animation, const std::string& variant,
@@ -58,7 +58,7 @@ void fill(ContentHandle& c, SceneHandle& s, const std::string& selection, const 
   scenes::fill(s.scene, c.content, c.traced);
 }
 
-// A change builds everything anew: only where there is one.
+// Selects objects for layers. A change rebuilds everything, so it is made only if the selection differs.
 void select(ContentHandle& c, SceneHandle& s, const std::string& selection, const py::dict& view, uint32_t width,
             uint32_t height) {
   std::vector<bool> traced = selected(c, selection, view, width, height);
@@ -78,7 +78,7 @@ void move(ContentHandle& c, SceneHandle& s, double time_s, double previous_time_
   scenes::move(s.scene, c.content);
 }
 
-// Of each entry its name.
+// Returns the name of each entry.
 template <typename List>
 std::vector<std::string> names_of(const List& list) {
   std::vector<std::string> names;

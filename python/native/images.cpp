@@ -1,4 +1,4 @@
-// Image files, display values and comparisons, as the program has them.
+// Provides image files, display values and comparisons, as in the program.
 #include "scenes/images/images.h"
 
 #include "lab/metrics/metrics.h"
@@ -45,7 +45,7 @@ py::tuple read_image(const std::string& path) {
   return py::make_tuple(planes, image.linear);
 }
 
-// Colour as half floats, everything else as it is computed.
+// Writes an EXR file: colours as half floats, all other planes in their own types.
 void write_exr(const std::string& path, const py::dict& planes) {
   Image image;
   for (const auto& [key, value] : planes) {

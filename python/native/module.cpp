@@ -6,7 +6,7 @@
 namespace sideray::python {
 namespace {
 
-// sideray.Error and its subclasses are written in Python.
+// Returns the Python module of sideray.Error and its subclasses.
 py::module_ errors() {
   return py::module_::import("sideray._errors");
 }
@@ -31,7 +31,7 @@ std::string version() {
   return std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(patch);
 }
 
-// pybind11 before 2.12 looks at arrays as numpy 1 lays them out: with numpy 2 it would read sizes of something else.
+// Refuses numpy 2 if pybind11 is older than 2.12, which assumes numpy 1's layout of arrays and would read wrong sizes.
 void require_numpy() {
 #if PYBIND11_VERSION_HEX < 0x020C0000
   const auto version = py::module_::import("numpy").attr("__version__").cast<std::string>();

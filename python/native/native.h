@@ -1,5 +1,5 @@
-// The extension sideray._native: the C interface with arrays for pointers. What is convenient is written in Python
-// (python/sideray); here is what copies, locks, and lets other threads of Python run.
+// The extension sideray._native is the C interface with arrays for pointers. It copies, locks, and lets other Python
+// threads run; conveniences are written in Python (python/sideray).
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -22,10 +22,10 @@ namespace py = pybind11;
 template <typename T>
 using Array = py::array_t<T, py::array::c_style | py::array::forcecast>;
 
-// Refuses what does not have this shape (-1: any length), naming it as `what`.
+// Throws Error where the array does not have this shape (-1: any length); `what` names it.
 void require_shape(const py::array& array, const std::vector<py::ssize_t>& shape, const char* what);
 
-// Calls f(&error) while other threads of Python run, one call at a time on what `mutex` guards. Throws its failure.
+// Calls f(&error) under `mutex`, while other Python threads run. Throws where it fails.
 template <typename F>
 void call(std::mutex& mutex, F&& f) {
   py::gil_scoped_release released;

@@ -1,4 +1,4 @@
-// Options by name, devices, and the names of additional channels.
+// Provides options by name, devices, and the names of additional channels.
 #include <sideray/plan.h>
 
 #include "cli/options/aovs.h"
@@ -65,7 +65,7 @@ struct PlanRelease {
   void operator()(sideray_plan* plan) const { sideray_plan_release(plan); }
 };
 
-// What a frame of these options can show.
+// Returns the contents that a frame of these options can have.
 cli::FrameContents contents_of(SceneHandle& scene, const OptionsHandle& options) {
   const sideray_render_options& picture = options.options.render();
   sideray_plan* plan = nullptr;

@@ -1,4 +1,4 @@
-// Renderers and the pictures that they return. A picture's planes are arrays without a copy: each keeps the picture.
+// Provides renderers and their pictures. Planes are arrays that share the picture's memory and keep it alive.
 #include <cstring>
 
 #include "python/native/native.h"
@@ -18,7 +18,7 @@ struct PictureHandle {
   explicit PictureHandle(sideray_picture* drawn) : picture(drawn, ReleasePicture()) {
     sideray_picture_size(drawn, &width, &height);
   }
-  // Somebody else's array that lives as long as the last one of the picture.
+  // Returns an owner for an array, which keeps the picture alive.
   py::capsule owner() const {
     return py::capsule(new std::shared_ptr<sideray_picture>(picture),
                        [](void* kept) { delete static_cast<std::shared_ptr<sideray_picture>*>(kept); });
@@ -118,7 +118,7 @@ class RendererHandle {
     renderer_ = nullptr;
   }
 
-  // Without the mutex, which the call that draws holds.
+  // Cancels without the mutex, which the drawing call holds.
   void cancel() {
     require_open();
     sideray_renderer_cancel(renderer_);
@@ -141,8 +141,9 @@ class RendererHandle {
     return PictureHandle(picture);
   }
 
-  // One picture from each camera. poses: (groups, instances, 12), in which instances are where the cameras of a group draw;
-  // group g has the cameras from ends[g - 1] to ends[g]. lights: of each group. Without poses and lights there is one group.
+  // Returns one picture from each camera. Group g has the cameras from ends[g - 1] to ends[g]. `poses`, (groups,
+  // instances, 12), has the transforms of `instances` in each group, `lights` the lights. Without both there is one
+  // group.
   std::vector<PictureHandle> render_many(SceneHandle& scene, const std::vector<py::dict>& views, const OptionsHandle& options,
                                          uint32_t aovs, float exposure, bool color, const Array<uint32_t>& instances,
                                          const std::optional<Array<double>>& poses,
@@ -213,7 +214,7 @@ class RendererHandle {
   std::mutex mutex_;
 };
 
-// Planes of one type and size side by side, as (height, width, planes).
+// Interleaves planes of one type and size, as (height, width, planes).
 template <typename T>
 py::array interleaved_of(const std::vector<py::array>& planes) {
   const py::ssize_t height = planes[0].shape(0), width = planes[0].shape(1);
@@ -231,7 +232,8 @@ py::array interleaved_of(const std::vector<py::array>& planes) {
   return result;
 }
 
-// Planes of pictures of one size, as (pictures, height, width) where each has one and else (pictures, height, width, planes).
+// Stacks planes of pictures of one size, as (pictures, height, width) if each has one plane, else (pictures, height,
+// width, planes).
 template <typename T>
 void stack(const std::vector<std::vector<py::array>>& pictures, py::array& out) {
   const py::ssize_t height = pictures[0].at(0).shape(0), width = pictures[0][0].shape(1);
@@ -262,7 +264,7 @@ void stacked(const std::vector<std::vector<py::array>>& pictures, py::array out)
     stack<float>(pictures, out);
 }
 
-// Planes as channels() has them.
+// Interleaves planes of float or uint32.
 py::array interleaved(const std::vector<py::array>& planes) {
   const bool is_uint = py::isinstance<py::array_t<uint32_t>>(planes.at(0));
   return is_uint ? interleaved_of<uint32_t>(planes) : interleaved_of<float>(planes);

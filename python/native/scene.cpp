@@ -1,4 +1,4 @@
-// sideray_scene with arrays.
+// Provides sideray_scene with arrays.
 #include <sideray/plan.h>
 
 #include <array>
@@ -8,7 +8,7 @@
 namespace sideray::python {
 namespace {
 
-// The attributes of a mesh, which stay until it is copied.
+// Holds the attributes of a mesh until it is copied.
 struct MeshArrays {
   Array<float> positions;
   std::optional<Array<uint32_t>> indices;
@@ -108,7 +108,7 @@ void replace_material(SceneHandle& s, sideray_material material, const py::dict&
   call(s.mutex, [&](sideray_error* e) { return sideray_scene_replace_material(s.scene.get(), material, &desc, e); });
 }
 
-// One description an entry; all arrays are as long.
+// Holds instances: each array has one entry for each.
 struct InstanceArrays {
   Array<uint32_t> meshes, materials, surface_ids, visibility;
   Array<double> transforms;

@@ -1,4 +1,4 @@
-// Cameras, lights and materials as dictionaries of their fields.
+// Converts cameras, lights and materials from and to dictionaries of their fields.
 #include "python/native/structs.h"
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 namespace sideray::python {
 namespace {
 
-// Writes a field, or says what it takes.
+// Sets a field; throws where the value has the wrong type, naming what the field takes.
 template <typename T>
 void put(T& field, const py::handle& value, const std::string& name, const char* takes) {
   try {
@@ -81,7 +81,7 @@ constexpr Word<sideray_light_type> light_types[] = {
   throw Error(SIDERAY_INVALID_ARGUMENT, std::string(what) + ": there is no " + name + "; there are " + known);
 }
 
-// Gives every entry to the field of its name. `fields` calls visit(name, put function) for each field.
+// Sets the field named by each entry. `fields` calls visit(name, put function) for each field.
 struct Reader {
   const char* what;
   const py::dict& given;

@@ -1,5 +1,5 @@
-// Structs of the C interface from dictionaries of their fields, and back. Fields that are not given have their defaults; one
-// that is not there is refused, and the message lists those that are.
+// Converts structs of the C interface from dictionaries of their fields, and back. Absent fields get their defaults. An
+// unknown field is an error, which lists the known ones.
 #pragma once
 
 #include "python/native/native.h"

@@ -1,4 +1,4 @@
-// Queries: rays in arrays, hits in arrays.
+// Provides queries: arrays of rays in, arrays of hits out.
 #include <cstddef>
 #include <sideray/ground_truth.hpp>
 
@@ -22,7 +22,7 @@ struct TracerHandle {
         }()) {}
 };
 
-// sideray_hit as numpy sees it: no field is copied.
+// Returns sideray_hit as a numpy type, so that hits need no copies.
 py::dtype hit_type() {
   py::list names, formats, offsets;
   const auto field = [&](const char* name, const py::object& format, size_t offset) {
@@ -123,7 +123,7 @@ py::dict layered_depth(TracerHandle& t, const py::dict& camera, uint32_t width, 
   desc.width = width, desc.height = height, desc.layers = layers;
   desc.path = bent ? SIDERAY_LAYERS_BENT : SIDERAY_LAYERS_STRAIGHT;
   py::dict arrays;
-  const bool refused = layers > 64 || width > 16384 || height > 16384;  // by the library, with a reason: nothing is allocated
+  const bool refused = layers > 64 || width > 16384 || height > 16384;  // by the library: nothing is allocated
   const auto make = [&](const char* name, auto*& plane, std::vector<py::ssize_t> behind) {
     if (refused) return;
     std::vector<py::ssize_t> shape{py::ssize_t{height}, py::ssize_t{width}};
