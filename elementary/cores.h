@@ -1,15 +1,15 @@
-// Defines the elementary functions in double precision, on whatever type holds doubles: one (elementary/functions.cpp) or
-// a vector (rt/base/lanes.h). Included inside a namespace that has
+// Defines the elementary functions in double precision, for a scalar double (elementary/functions.cpp) or a vector of
+// doubles (rt/base/lanes.h). Included inside a namespace that has
 //   Real   double, or a vector of them,
-//   Word   uint64_t, or a vector as long,
-//   SIDERAY_CORE   what stands before each function.
-// Only + - * / and bits: IEEE 754 leaves no choice, so that a lane, a scalar and every processor get the same bits. No
-// result depends on the lanes beside it. Each is exact to a few units of 2^-53, relative to the result, so that rounding
-// it once to float gives the float nearest to the truth but for a countable handful (elementary/functions.h). Any thread
-// may call them.
+//   Word   uint64_t, or a vector of as many,
+//   SIDERAY_CORE   the specifiers of each function.
+// The functions use + - * / and bit operations alone, whose results IEEE 754 fixes, so that a lane, a scalar and every
+// processor get the same bits. No result depends on other lanes. Errors are a few units of 2^-53, relative to the
+// result, so that a result rounded to float is the nearest float to the truth, with few exceptions
+// (elementary/functions.h). Any thread may call them.
 
-// Returns c0 + z (c2 + z (c4 + ...)) + x (c1 + z (c3 + ...)), z = x^2: half as many operations wait for each other as
-// with one chain. `odd`: the second sum without its x, otherwise the first.
+// Returns one of the two sums in c0 + z (c2 + z (c4 + ...)) + x (c1 + z (c3 + ...)), z = x^2: with `odd` the second
+// without its factor x, otherwise the first. Two sums have half as long a chain of dependent operations as one.
 template <bool odd, typename... More>
 SIDERAY_CORE Real core_half(Real z, double c0, double c1, More... more) {
   const double c = odd ? c1 : c0;
@@ -26,7 +26,7 @@ SIDERAY_CORE Real core_polynomial(Real x, double c0, double c1, More... more) {
   return core_half<false>(z, c0, c1, more...) + x * core_half<true>(z, c0, c1, more...);
 }
 
-// Holds a number as value * 2^power; the low bits of `power` are the exponent in two's complement.
+// Holds the number value * 2^power; the low bits of `power` are the exponent in two's complement.
 struct CoreScaled {
   Real value;
   Word power;
@@ -36,7 +36,7 @@ SIDERAY_CORE Real core_scaled(CoreScaled s) {
   return s.value * __builtin_bit_cast(Real, (s.power + 1023) << 52);
 }
 
-// Returns x rounded to an integer, ties to even, |x| < 2^51; `bits` gets it in its low bits.
+// Returns x rounded to an integer, ties to even, |x| < 2^51; the low bits of `bits` get the integer.
 SIDERAY_CORE Real core_nearest(Real x, Word& bits) {
   constexpr double magic = 0x1.8p52;
   const Real shifted = x + magic;
@@ -70,7 +70,7 @@ struct CoreLog {
   Real exponent, rest;
 };
 
-// Takes normal numbers > 0.
+// Returns the logarithm of a normal number > 0.
 SIDERAY_CORE CoreLog core_log_parts(Real x) {
   constexpr uint64_t root_half = 0x3fe6a09e667f3bcd, one = 0x3ff0000000000000;
   const Word moved = __builtin_bit_cast(Word, x) + (one - root_half);
@@ -111,12 +111,12 @@ SIDERAY_CORE Real core_abs(Real x) {
   return __builtin_bit_cast(Real, __builtin_bit_cast(Word, x) & 0x7fffffffffffffff);
 }
 
-// Returns the angle of (x, y), -pi .. pi, with y's sign; 0 or pi where y is 0 and x is not below or below 0. Both are finite, and no
-// larger than 2^1000.
+// Returns the angle of (x, y), -pi .. pi, with y's sign. Where y is 0 it is pi for x < 0, else 0. Both must be finite,
+// of magnitudes up to 2^1000.
 SIDERAY_CORE Real core_atan2(Real y, Real x) {
   const Real ax = core_abs(x), ay = core_abs(y);
   const Real most = ax < ay ? ay : ax, least = ax < ay ? ax : ay;
-  // The angle of the nearest of five directions, and what is left: |t| <= 1/8.
+  // Splits the angle into that of the nearest of five directions and a rest whose tangent is t, |t| <= 1/8.
   const Real zero = most - most;
   Real c = zero, angle = zero;
   c = least > most * 0.125 ? zero + 0.25 : c, angle = least > most * 0.125 ? zero + 0x1.f5b75f92c80ddp-3 : angle;

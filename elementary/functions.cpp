@@ -18,7 +18,7 @@ using Word = uint64_t;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Scales by 2^power, which may leave the range of normal numbers.
+// Returns the number, which may be outside the range of normal numbers.
 double scaled_far(CoreScaled s) {
   const auto power = static_cast<int32_t>(static_cast<uint32_t>(s.power));
   return std::ldexp(s.value, power);
@@ -31,7 +31,7 @@ double log_of(double x, double (*core)(double), double of_power) {
   return core(x);
 }
 
-// Returns log2(x) * y, where x^y has no special value.
+// Returns log2(x) * y for arguments for which x^y is not a special case.
 double power_of_two(double x, double y) {
   const double scale = x < std::numeric_limits<double>::min() ? 0x1p60 : 1.0;
   return y * (core_log2(x * scale) - (scale == 1.0 ? 0.0 : 60.0));
@@ -54,24 +54,24 @@ bool plain_power(double x, double y, double& value) {
   return true;
 }
 
-// Holds what is left of an angle, |rest| <= pi / 4, and how many right angles were taken away, modulo 4.
+// Holds an angle reduced to |rest| <= pi / 4, and the number of subtracted right angles, modulo 4.
 struct Turned {
   double rest;
   uint32_t quarters;
 };
 
-// The first binary digits of 2 / pi, behind the point.
+// The first 256 bits of 2 / pi after the binary point.
 constexpr uint64_t two_over_pi[] = {0xa2f9836e4e441529, 0xfc2757d1f534ddc0, 0xdb6295993c439041, 0xfe5163abdebbc561};
 
-// Returns the 64 digits of 2 / pi from digit `first` on; those before the first one are 0.
+// Returns 64 bits of 2 / pi from bit `first` on; bits before the first are 0.
 uint64_t digits(int first) {
   const auto word = [](int i) { return i >= 0 && i < 4 ? two_over_pi[i] : uint64_t{0}; };
   const int i = first >= 0 ? first / 64 : -((63 - first) / 64), shift = first - 64 * i;
   return shift == 0 ? word(i) : word(i) << shift | word(i + 1) >> (64 - shift);
 }
 
-// Takes right angles away from a float of any size: the product with 2 / pi, of which digits that make whole turns are
-// left out (Payne and Hanek 1983).
+// Reduces a float of any size by right angles: multiplies it by 2 / pi, without those bits of 2 / pi that only add
+// whole turns (Payne and Hanek 1983).
 Turned turned_far(float x) {
   __extension__ using Wide = unsigned __int128;
   __extension__ using SignedWide = __int128;
@@ -86,7 +86,7 @@ Turned turned_far(float x) {
   return x < 0.0f ? Turned{-angle, 0u - quarters} : Turned{angle, quarters};
 }
 
-// Takes right angles away (Cody and Waite 1980); exact to 2^-100 for |x| <= 2^20.
+// Reduces an angle by right angles (Cody and Waite 1980); exact to 2^-100 for |x| <= 2^20.
 Turned turned_near(double x) {
   Word bits;
   const double n = core_nearest(x * 0x1.45f306dc9c883p-1, bits);
@@ -120,12 +120,12 @@ double angle_of(double y, double x) {
     const double to_x = std::isinf(x) ? std::copysign(1.0, x) : std::copysign(0.0, x);
     return core_atan2(std::isinf(y) ? std::copysign(1.0, y) : std::copysign(0.0, y), to_x);
   }
-  // A zero has the side of its sign.
+  // The sign of a zero x says on which side it is.
   if (x == 0.0 && y == 0.0) x = std::copysign(1.0, x);
   return core_atan2(y, x);
 }
 
-// Brings a pair of doubles into the range in which core_atan2 neither overflows nor vanishes.
+// Returns the angle of (x, y), scaled first so that core_atan2 neither overflows nor underflows.
 double scaled_angle_of(double y, double x) {
   const double most = std::max(std::abs(x), std::abs(y));
   if (!(most > 0.0) || std::isinf(most) || std::isnan(x) || std::isnan(y)) return angle_of(y, x);

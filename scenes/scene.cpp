@@ -217,7 +217,7 @@ Sky sky() {
   for (uint32_t y = 0; y < sky.height; ++y) {
     const double elevation = (0.5 - (y + 0.5) / sky.height) * 3.14159265358979;
     const double up = elementary::sin(elevation);
-    // A haze band of about 3 degrees softens the horizon, so that reflections of it do not flicker.
+    // A haze band of about 3 degrees softens the horizon, so that its reflections do not flicker.
     const double above = glm::smoothstep(-0.05, 0.0, up);
     const glm::dvec3 air = glm::mix(horizon, zenith, std::sqrt(std::max(up, 0.0)));
     const glm::dvec3 color = glm::mix(ground, air, above);

@@ -237,7 +237,7 @@ class Retrofit : public scene::ILightManager {
     state.append(reinterpret_cast<const char*>(lights_.data()), lights_.size() * sizeof(sideray_fixed_light));
     if (state == last_lighting_) return;
     last_lighting_ = state;
-    model.local_viewer = model.separate_specular = 1;  // as Irrlicht sets OpenGL up
+    model.local_viewer = model.separate_specular = 1;  // as Irrlicht configures OpenGL
     model.lights = lights_.data(), model.light_count = lights_.size();
     scene_.set_fixed_function(model);
     scene_.set_lights(casters_);

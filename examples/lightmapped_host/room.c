@@ -212,7 +212,7 @@ static void make_texture(struct room* room, enum texture texture) {
   }
 }
 
-/* ---- Lightmaps: the lamps, shadowed, and a glow that the bounces stand for; computed in light, stored in gamma ----
+/* ---- Lightmaps: the shadowed lamps and a constant for bounced light; computed linearly, stored in gamma space ----
  */
 
 int face_along(const struct room* room, const float origin[3], const float direction[3], int skipped, float at[2],

@@ -153,7 +153,7 @@ void GlassScene::update_lights(const mjvScene& drawn) {
       light.spot_direction[c] = from.dir[c];
     }
     light.position[3] = from.directional ? 0.0 : 1.0;
-    // A light that is turned off may have no direction.
+    // A light that is off may have no direction.
     if (from.directional && light.position[0] == 0 && light.position[1] == 0 && light.position[2] == 0) light.position[2] = 1;
     if (from.directional) {
       light.constant_attenuation = 1;

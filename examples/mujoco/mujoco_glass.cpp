@@ -188,7 +188,7 @@ class Picture {
   mjrRect size() const { return size_; }
 
  private:
-  // mjr_render leaves its camera in the matrices.
+  // Returns the camera, which mjr_render leaves in OpenGL's matrices.
   static sideray_view view() {
     float projection[16], model_view[16];
     glGetFloatv(GL_PROJECTION_MATRIX, projection), glGetFloatv(GL_MODELVIEW_MATRIX, model_view);

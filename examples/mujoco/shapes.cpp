@@ -92,7 +92,7 @@ Shape plane() {
   return shape;
 }
 
-// Drawn meshes are numbered 2 * mesh, their convex hulls 2 * mesh + 1.
+// Returns a mesh. MuJoCo numbers drawn meshes 2 * mesh, their convex hulls 2 * mesh + 1.
 Shape mesh(const mjModel& model, int mesh) {
   Shape shape;
   const int* faces = model.mesh_face + 3 * model.mesh_faceadr[mesh];

@@ -127,7 +127,7 @@ TEST_F(RetrofitTest, WithoutAnswersItLooksAsBefore) {
   RetrofitSettings settings;
   settings.wait = false;
   const Picture first = draw_retrofitted(settings);
-  // At silhouettes a sphere map's coordinates come near 0 / 0, and the driver's vertex programs round differently.
+  // At silhouettes sphere map coordinates are near 0 / 0, and the driver's vertex programs round differently.
   const auto of_one = [&](size_t p) { return first.stencil[p] == 1; };
   EXPECT_LT(count([&](size_t p) { return of_one(p) && first.largest_difference(before, p) > 1; }), count(of_one) / 100);
   EXPECT_EQ(count([&](size_t p) { return first.stencil[p] == 0 && !first.same_at(before, p); }), 0u);

@@ -74,7 +74,7 @@ struct Summation {
   std::vector<Rgb> without, chain;
   Sum total, interaction;
   std::vector<Sum> effects, residuals;
-  std::span<const uint8_t> apart;  // pixels
+  std::span<const uint8_t> apart;  // 1 for pixels whose last residual is "visibility"
   size_t references;
 
   bool is_finite(size_t pixel) const {

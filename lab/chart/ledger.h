@@ -46,7 +46,7 @@ Ledger make_ledger(const scenes::Image& picture, std::span<const LedgerPicture> 
 // Returns the terms that add up to the total: effects, interaction, residuals.
 std::vector<const LedgerTerm*> parts(const Ledger& ledger);
 
-// {"name", "share", "relmse", "mean", "mean_absolute"}
+// Returns {"name", "share", "relmse", "mean", "mean_absolute"}.
 Json to_json(const LedgerTerm& term);
 
 // Returns all terms as channels NAME.R, NAME.G, NAME.B of 32 bits; residuals as residual.NAME.R.

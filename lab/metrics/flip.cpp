@@ -53,7 +53,7 @@ float hyab(vec3 a, vec3 b) {
   return std::abs(a.x - b.x) + std::hypot(a.y - b.y, a.z - b.z);
 }
 
-// Maps the powered colour difference to 0..1: 0.4 of the largest one (green against blue) takes 0.95 of the range.
+// Maps the powered colour difference to 0..1: 0.4 of the largest difference (green to blue) becomes 0.95.
 float redistributed(float difference) {
   static const float largest = std::pow(hyab(hunt_lab_from_rgb(vec3(0, 1, 0)), hunt_lab_from_rgb(vec3(0, 0, 1))), 0.7f);
   const float knee = 0.4f * largest;
@@ -110,7 +110,7 @@ Plane filtered(const Plane& plane, const std::vector<WeightedKernel>& filter) {
   return sum;
 }
 
-// Holds the Gaussian of the feature detectors and its first two derivatives, positive and negative parts each summing
+// Holds the Gaussian of the feature detectors and its first two derivatives, whose positive and negative parts each sum
 // to 1.
 struct FeatureKernels {
   Kernel smooth, edge, point;
@@ -217,7 +217,7 @@ double aces_inverse(double t) {
 }
 
 // Returns exposures, in stops, as published with HDR-FLIP (Andersson et al. 2021, automatic start and stop exposures):
-// from the one that shows the reference's brightest pixel at 0.85 to the one that shows its median there.
+// the first shows the reference's brightest pixel at 0.85, the last its median.
 std::vector<double> exposures(std::span<const float> reference) {
   std::vector<float> luminance;
   for (size_t i = 0; i < reference.size() / 3; ++i) luminance.push_back((xyz_from_rgb * pixel(reference, i)).y);

@@ -18,7 +18,7 @@ struct FailureMap {
 };
 
 struct StressRow {
-  std::string name, variant;  // name of the case; the variant as options
+  std::string name, variant;  // name of the case; the variant, written as options
   Json parameters = Json::object();
   std::string measure;
   double value = 0, bound = 0;  // passes if value <= bound

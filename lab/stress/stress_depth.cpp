@@ -103,7 +103,7 @@ Scene planes_at(const std::vector<double>& heights, double size) {
 }
 
 struct Floor {
-  Tracer alone, covered;  // covered: under a plane at a hundredth of the eye's height
+  Tracer alone, covered;  // covered: the floor with a plane over it, at a hundredth of the eye's height
 };
 
 void add_rows(StressStage& stage, Floor& floor, double height, const NamedFormat& format, const Method& method,

@@ -56,7 +56,7 @@ double depth_in_leaf(const Grid& grid, Leaf leaf, double x, double z) {
   return leaf == Leaf::trilinear ? depth_in_texel(in_u, in_v) : depth_in_card(in_u, in_v);
 }
 
-// Returns the share of the area that leaves cover: a card is a quarter of its cell.
+// Returns the share of the area that leaves cover.
 double coverage_of(Leaf leaf) {
   return leaf == Leaf::trilinear ? 0.5 - 0.5 * std::log(2.0) : 0.25;
 }

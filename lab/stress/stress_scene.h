@@ -1,4 +1,4 @@
-// Makes small scenes and pictures for the stress cases. The main thread calls it.
+// Makes small scenes and pictures for the stress cases. Only the main thread may call it.
 #pragma once
 
 #include <array>
@@ -67,7 +67,7 @@ double flip(const scenes::Image& test, const scenes::Image& reference);
 
 FailureMap map_of(const StressStage& stage);
 
-// Returns the values of a sweep.
+// Returns `values`, or `quick_values` in a quick run.
 std::vector<double> swept(const StressStage& stage, std::vector<double> values, std::vector<double> quick_values);
 
 std::vector<StressRow> layer_gap_case(StressStage& stage);

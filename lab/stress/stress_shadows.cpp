@@ -65,7 +65,7 @@ sideray_material_desc floor_material() {
   return material;
 }
 
-// The drawn floor is below y = 0, which is its rest pose.
+// Returns a floor whose drawn pose is below its rest pose at y = 0.
 Scene moved_floor(double amplitude) {
   Scene scene = lit_from_above();
   sideray_wind_desc wind = sideray_wind_defaults();

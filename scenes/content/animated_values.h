@@ -44,7 +44,7 @@ struct MaterialValues {
   sideray_material_desc desc;  // its emission and texture_from_uv are computed from the following values
   glm::vec3 emissive_factor{0.0f};
   float emissive_strength = 1;
-  std::array<TextureTransform, material_slots.size()> transforms;  // of the slots that changes_transform names
+  std::array<TextureTransform, material_slots.size()> transforms;  // of slots that changes_transform marks
   std::array<bool, material_slots.size()> changes_transform{};
 };
 

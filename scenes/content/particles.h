@@ -43,7 +43,7 @@ struct Particles {
   sideray_particles_desc desc{};  // without its texture
 };
 
-// A node with a system.
+// Describes a node with a particle system.
 struct Emitter {
   std::string node;
   double world_from_node[12] = {};

@@ -80,7 +80,7 @@ class ContentBuilder {
   Content content_;
 };
 
-// `direction` has any length > 0.
+// Returns a directional light; `direction` has any length > 0.
 sideray_light sun_light(glm::vec3 direction, glm::vec3 irradiance);
 sideray_light point_light(glm::vec3 position, glm::vec3 intensity, float range);
 // Makes a light in a cone of `half_angle_deg` about `direction`, fading toward its edge.

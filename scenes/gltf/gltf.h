@@ -85,7 +85,7 @@ struct Scattering {
   glm::dvec3 color;  // of an infinitely thick body of the material
   double anisotropy;
 };
-// Throws Error, which names the `user`.
+// Returns the extension of a material, if it has any. Throws Error, which names `user`.
 std::optional<Scattering> read_scattering(const File& file, const tinygltf::Material& source, const std::string& user,
                                           Content& content);
 

@@ -6,7 +6,7 @@
 #include "scenes/gltf/gltf.h"
 #include "scenes/base/limits.h"
 
-// Reads EXT_mesh_gpu_instancing and the custom attributes that this program adds to it (docs/gltf.md).
+// Reads EXT_mesh_gpu_instancing, and the custom attributes that our writer adds (docs/gltf.md).
 namespace sideray::scenes::gltf {
 namespace {
 

@@ -185,7 +185,7 @@ std::vector<uint8_t> encode_png(uint32_t width, uint32_t height, uint32_t channe
   std::vector<uint8_t> bytes;
   Session session(true);
   session.output = &bytes;
-  // libpng only reads the rows it writes; its interface lacks the const.
+  // libpng does not change the rows that it writes; its interface lacks the const.
   std::vector<png_bytep> rows = row_pointers(const_cast<uint8_t*>(pixels.data()), height, row_bytes);
   if (!write_rows(session, width, height, channels, rows.data())) {
     refuse("cannot write {}: {}; make the picture smaller", what, session.message);

@@ -19,7 +19,7 @@ Image image_from_png(const PngPixels& png) {
     for (size_t i = 0; i < pixels; ++i) {
       const size_t sample = i * png.channels + c;
       if (png.bits == 16) {
-        // libpng was told to deliver native byte order.
+        // Samples are in native byte order.
         const uint8_t* bytes = png.samples.data() + 2 * sample;
         plane.values[i] = static_cast<float>(bytes[0] | bytes[1] << 8) / 65535.0f;
       } else {

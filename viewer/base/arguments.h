@@ -1,4 +1,4 @@
-// What the window is started with: SCENE, then options as `sideray render` has them, which `sideray view` has checked. Any thread.
+// Holds the window's arguments: SCENE, then options of `sideray render`, which `sideray view` has checked. Any thread.
 #pragma once
 
 #include <map>
@@ -14,17 +14,17 @@ struct Arguments {
   std::string scene;
   Given given;
 
-  // The text given, else `otherwise`.
+  // Returns the value of the option, else `otherwise`.
   std::string text(const std::string& name, const std::string& otherwise = "") const;
   double number(const std::string& name, double otherwise) const;
 };
 
-// Throws Error for what is neither a scene nor an option.
+// Reads the arguments. Throws Error for a word that is neither a scene nor an option.
 Arguments read_arguments(std::span<char*> words);
 
-// "1.5,2,-3" as three numbers. Throws Error.
+// Reads three numbers such as "1.5,2,-3". Throws Error.
 std::array<double, 3> point_of(const std::string& name, const std::string& text);
-// "1280x720".
+// Reads a size such as "1280x720". Throws Error.
 std::array<uint32_t, 2> size_of(const std::string& text);
 
 }  // namespace sideray::viewer

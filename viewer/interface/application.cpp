@@ -18,8 +18,8 @@
 namespace sideray::viewer {
 namespace {
 
-constexpr double rest_s = 0.15;    // after which a camera that was moved stands still
-constexpr double watch_s = 1.0;    // between looks at the files
+constexpr double rest_s = 0.15;    // a camera that has not moved for this time rests
+constexpr double watch_s = 1.0;    // between checks of the files
 constexpr double blink_s = 0.5;
 constexpr double tick_s = 1.0 / 60;
 constexpr float least_picture_width = 64;  // narrower windows have no panel
@@ -44,7 +44,7 @@ bool is_environment(const std::string& path) {
   return path.ends_with(".hdr") || path.ends_with(".exr");
 }
 
-// NAME-001.png or the next number that is free.
+// Returns NAME-001.png, or the first such name that is free.
 std::string free_name(const std::string& scene) {
   const std::string stem = std::filesystem::path(scene.substr(0, scene.find('?'))).stem().string();
   for (int number = 1;; ++number)
@@ -85,7 +85,7 @@ void Application::drop(const std::vector<std::string>& paths) {
   loader_.load(source);
 }
 
-// What is shown, or is about to be.
+// Returns the scene that is shown, or that is being loaded.
 SceneSource Application::wanted_source() const {
   if (loader_.is_loading()) return loader_.latest();
   return state_.view.scene ? state_.view.scene->source() : source_of(arguments_);
@@ -98,7 +98,7 @@ void Application::take_variant() {
   loader_.load(source);
 }
 
-// A scene that cannot be read leaves the one that is shown.
+// Shows a scene that was loaded. If it cannot be read the shown scene stays.
 void Application::take_scene() {
   const std::optional<Loader::Loaded> loaded = loader_.take();
   if (!loaded) return;
@@ -148,7 +148,7 @@ void Application::press(int key, bool with_control) {
   }
 }
 
-// A key of a command, such as Ctrl+S, does not fly where Control is released first.
+// Returns whether a key moves the camera. A key of a command, such as Ctrl+S, does not, even after Control is released.
 bool Application::flies(int key) const {
   return key != command_key_ && window_.is_down(key);
 }
@@ -166,7 +166,7 @@ void Application::fly(double seconds) {
     return static_cast<double>(flies(forward)) - static_cast<double>(flies(back));
   };
   const glm::dvec3 direction(along(GLFW_KEY_D, GLFW_KEY_A), along(GLFW_KEY_E, GLFW_KEY_Q), along(GLFW_KEY_W, GLFW_KEY_S));
-  // A second for the way to what is in the middle, which is neither everything nor a speck of it.
+  // The speed covers 0.7 of the distance to the surface in the middle each second, within bounds by the scene's size.
   const double radius = state_.view.scene->radius();
   const double depth = depth_at(drawer_->shown().frames[0].get(), 0.5, 0.5, radius);
   const double speed = std::clamp(0.7 * depth, 0.002 * radius, 0.2 * radius) * (window_.is_down(GLFW_KEY_LEFT_SHIFT) ? 4.0 : 1.0);
@@ -174,7 +174,7 @@ void Application::fly(double seconds) {
   state_.moved_at = glfwGetTime();
 }
 
-// Time goes on once the picture of the last moment is there.
+// Advances the animation once the picture of the last time is shown.
 void Application::play() {
   const double now = glfwGetTime();
   if (state_.plays && state_.view.scene) {
@@ -308,7 +308,7 @@ std::string Application::title(const Drawer::Shown& shown) const {
   return title + " - Sideray";
 }
 
-// What was shown, as a command that shows it again.
+// Returns the command that shows the current view again, for messages.
 std::string Application::way_back() const {
   if (!state_.view.scene) return "start it again";
   std::vector<std::string> words = words_of(state_.view, Way::chosen, state_.navigation, arguments_);
@@ -316,7 +316,7 @@ std::string Application::way_back() const {
   return "go on with: " + line_of(words);
 }
 
-// Xlib gives no way back into the program.
+// Ends the program: Xlib does not return to it after its display is gone.
 void Application::end_without_display() {
   fmt::print(stderr, "sideray: window: its display is gone; {}\n", way_back());
   chart_.stop();
@@ -333,7 +333,7 @@ void Application::run() {
 }
 
 void Application::loop() {
-  int frames_to_draw = 3;  // Dear ImGui takes a few to answer
+  int frames_to_draw = 3;  // Dear ImGui needs a few frames to react
   while (!window_.is_closing()) {
     if (window_.wait(frames_to_draw > 1 ? 0 : seconds_to_wait())) frames_to_draw = 3;
     const uint64_t before = state_.view.number;

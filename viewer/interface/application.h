@@ -1,4 +1,4 @@
-// `sideray view`: the window, what it shows, and what people do with it. Main thread.
+// Runs `sideray view`: the window, its pictures and its input. Main thread.
 #pragma once
 
 #include <optional>
@@ -15,11 +15,11 @@ namespace sideray::viewer {
 
 class Application {
  public:
-  // `program`: sideray, for charts. Throws Error where there is no window to be had.
+  // `program` is the path of sideray, which draws charts. Throws Error where no window can be opened.
   Application(const Arguments& arguments, const std::string& program);
-  // Until the window is closed. Throws Error where its OpenGL context is lost.
+  // Runs until the window is closed. Throws Error where its OpenGL context is lost.
   void run();
-  // Whether what is being drawn and read ends in that time; a picture cannot be stopped in the middle.
+  // Waits until drawing and loading end, which cannot be interrupted. Returns false after `seconds`.
   bool ends_within(double seconds);
 
  private:
@@ -57,7 +57,7 @@ class Application {
   double last_loop_ = 0, watched_at_ = 0, blinked_at_ = 0, played_at_ = 0;
   float width_ = 0, height_ = 0;  // of the pictures, in units of the window
   bool is_first_scene_ = true;
-  int command_key_ = 0;  // that is down since it was pressed with Control; 0 = none
+  int command_key_ = 0;  // pressed with Control, and still down; 0 = none
 };
 
 }  // namespace sideray::viewer

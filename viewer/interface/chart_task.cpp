@@ -39,7 +39,7 @@ void ChartTask::start(const std::vector<std::string>& words, const std::string& 
     child_ = 0;
     scenes::refuse("{}: cannot be started: {}; install sideray beside sideray-view", program_, std::strerror(error));
   }
-  ::setpriority(PRIO_PROCESS, static_cast<id_t>(child_), 10);  // the window goes first
+  ::setpriority(PRIO_PROCESS, static_cast<id_t>(child_), 10);  // the window has priority
 }
 
 std::string ChartTask::poll() {

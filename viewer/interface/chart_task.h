@@ -1,4 +1,4 @@
-// `sideray chart` of what the window shows, as a process beside it. Main thread.
+// Runs `sideray chart` for the window's view in another process. Main thread.
 #pragma once
 
 #include <sys/types.h>
@@ -15,12 +15,12 @@ class ChartTask {
   ChartTask(const ChartTask&) = delete;
   ChartTask& operator=(const ChartTask&) = delete;
 
-  // `words`: SCENE and options. Throws Error where the program cannot be started.
+  // Starts it with `words`: SCENE and options. Throws Error where the program cannot be started.
   void start(const std::vector<std::string>& words, const std::string& folder);
-  // Ends it where it runs.
+  // Ends the process if it runs.
   void stop();
   bool is_running() const { return child_ > 0; }
-  // What there is to say once it has ended, and opens its page; "" while it runs.
+  // Once the process has ended, opens its page and returns a message; "" while it runs.
   std::string poll();
 
  private:

@@ -1,4 +1,4 @@
-// What the window shows, as words of the program `sideray`. Any thread.
+// Writes the window's view as arguments of the program `sideray`. Any thread.
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@
 
 namespace sideray::viewer {
 
-// SCENE, camera, size and the options of a side: what `render` and `chart` share. `of_window` are those that the window was
-// started with.
+// Returns SCENE, camera, size and the options of a side, for `render` and `chart`. `of_window` has the arguments with
+// which the window was started.
 std::vector<std::string> words_of(const View& view, Way way, const Navigation& navigation, const Arguments& of_window);
-// As a shell reads it.
+// Returns the words as a line for a shell.
 std::string line_of(const std::vector<std::string>& words);
 
 }  // namespace sideray::viewer

@@ -8,7 +8,7 @@
 namespace sideray::viewer {
 namespace {
 
-// The colour of a whole picture of the view, as its last position has it; "" where there is none.
+// Returns the radiance of a pixel in a complete picture of this view; "" where there is none.
 std::string radiance_at(const Frame& frame, const View& view, Pixel pixel) {
   if (frame.is_preview || frame.number != view.number || view.mode != 0 || !frame.picture) return "";
   if (pixel.x >= frame.width || pixel.y >= frame.height) return "";

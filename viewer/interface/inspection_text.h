@@ -1,4 +1,4 @@
-// What lies behind the pixel under the mouse, and what the pictures show there. Main thread.
+// Describes the surface in the pixel under the mouse, and its values in the pictures. Main thread.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace sideray::viewer {
 
-// Some lines.
+// Returns several lines.
 std::string inspection_text(const State& state, const Drawer::Shown& shown);
 
 }  // namespace sideray::viewer

@@ -1,4 +1,4 @@
-// Reads scenes beside the window. Main thread.
+// Loads scenes on another thread. Main thread.
 #pragma once
 
 #include <functional>
@@ -13,20 +13,20 @@ namespace sideray::viewer {
 
 class Loader {
  public:
-  // Called on a thread of its own when a scene is there, or is not.
+  // `wake` is called on another thread when a scene is loaded or has failed.
   explicit Loader(std::function<void()> wake) : wake_(std::move(wake)) {}
 
-  // A scene that is still being read is read to its end, and then left.
+  // Loads a scene. One that is still being loaded cannot be stopped; it is dropped at its end.
   void load(const SceneSource& source);
   bool is_loading() const { return loading_.valid(); }
-  // What was asked for last.
+  // Returns the last requested scene.
   const SceneSource& latest() const { return next_ ? *next_ : source_; }
 
   struct Loaded {
     std::shared_ptr<SceneFile> scene;  // null: see error
     std::string error;
   };
-  // What was read since the last call.
+  // Returns the scene that was loaded since the last call, if any.
   std::optional<Loaded> take();
 
  private:

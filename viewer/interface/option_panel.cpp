@@ -19,7 +19,7 @@ bool is_shown(const sideray_option& row) {
   return !is_decided_by_window(row.name) && row.type != SIDERAY_OPTION_SIZE;
 }
 
-// Whether some value of the option makes another picture of a scene of these facts.
+// Returns whether some value of the option changes the picture of a scene with these facts.
 bool makes_difference(const sideray_option& row, const Options& options, const sideray_scene_facts& facts) {
   const auto reduced = [&](Options set) {
     check([&](sideray_error* error) { return sideray_options_reduce(set.get(), &facts, error); });
@@ -70,7 +70,7 @@ void OptionPanel::find_reasons(const Options& options, const sideray_scene_facts
   written_.clear();
 }
 
-// One of the values, or "" for the default.
+// Draws a choice of the values. Returns the chosen one, "" for the default, or `unchanged`.
 std::string OptionPanel::choose(const sideray_option& row, const Options& options) {
   std::string chosen = unchanged;
   const std::string now = options[row.name];
@@ -114,7 +114,7 @@ std::optional<std::string> OptionPanel::draw_row(const sideray_option& row, cons
     if (ImGui::SmallButton("default")) value = "";
   }
   ImGui::EndDisabled();
-  if (is_hovered) explain(row, is_idle ? reason->second : "");  // not as pale as the option itself
+  if (is_hovered) explain(row, is_idle ? reason->second : "");  // not dimmed like the option itself
   ImGui::PopID();
   return value == unchanged ? std::nullopt : std::optional(value);
 }
@@ -123,7 +123,7 @@ bool OptionPanel::draw(Options& options, const sideray_scene_facts& facts, std::
   find_reasons(options, facts);
   std::optional<std::pair<std::string, std::string>> change;
   std::vector<std::string> groups{"Most used"};
-  for (const int32_t diagnostic : {0, 1})  // these last
+  for (const int32_t diagnostic : {0, 1})  // diagnostics last
     for (size_t i = 0; i < sideray_option_count(); ++i) {
       const sideray_option& row = *sideray_option_at(i);
       if ((row.diagnostic != 0) == (diagnostic != 0) && std::find(groups.begin(), groups.end(), row.group) == groups.end())

@@ -1,4 +1,4 @@
-// The options of a picture as Dear ImGui shows them, made from the library's table. Main thread.
+// Shows the options of a picture in Dear ImGui, from the library's table. Main thread.
 #pragma once
 
 #include <imgui.h>
@@ -13,7 +13,8 @@ namespace sideray::viewer {
 
 class OptionPanel {
  public:
-  // Whether an option has changed; those that contradict others stay as they were, and `message` says why.
+  // Draws the options, and returns whether one has changed. An option that contradicts others keeps its value, and
+  // `message` says why.
   bool draw(Options& options, const sideray_scene_facts& facts, std::string& message);
 
  private:
@@ -22,8 +23,8 @@ class OptionPanel {
   std::string write(const sideray_option& row, const Options& options);
   std::optional<std::string> draw_row(const sideray_option& row, const Options& options);
 
-  std::map<std::string, std::string> reasons_;  // why an option makes no difference; none: it does
-  std::optional<Options> known_;                // the options that these are of
+  std::map<std::string, std::string> reasons_;  // option -> why it makes no difference; absent if it does
+  std::optional<Options> known_;                // the options to which `reasons_` applies
   uint64_t known_triangles_ = 0;
   std::map<std::string, std::array<char, 64>> written_;
 };

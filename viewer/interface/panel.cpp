@@ -84,7 +84,7 @@ void Panel::draw_camera(State& state) {
   }
 }
 
-// Of the materials (KHR_materials_variants).
+// Draws the choice of material variants (KHR_materials_variants).
 void Panel::draw_variants(State& state) {
   const std::vector<std::string>& variants = state.view.scene->content().variants;
   if (variants.empty()) return;
@@ -135,7 +135,7 @@ Wish Panel::draw(State& state, const Drawer::Shown& shown, bool is_loading, bool
   ImGui::Begin("panel", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysVerticalScrollbar);
   if (state.view.scene) ImGui::TextUnformatted(state.view.scene->source().scene.c_str());
   ImGui::TextColored(pale, "%s   %ux%u%s", shown.device.c_str(), state.view.width, state.view.height, is_loading ? "   loading ..." : "");
-  // Of one height, so that nothing moves away under the mouse; more lines are scrolled.
+  // The height is fixed, so that controls do not move under the mouse; more lines scroll.
   ImGui::BeginChild("message", {0, 2 * ImGui::GetTextLineHeight()});
   ImGui::PushTextWrapPos(0);
   ImGui::TextColored(state.is_error ? warm : ImVec4{0.6f, 0.9f, 0.65f, 1}, "%s", state.message.c_str());

@@ -1,4 +1,4 @@
-// The panel beside the pictures. Main thread.
+// Draws the panel beside the pictures. Main thread.
 #pragma once
 
 #include "viewer/interface/option_panel.h"
@@ -7,7 +7,7 @@
 
 namespace sideray::viewer {
 
-// What was asked for by a button.
+// The command of a pressed button.
 enum class Wish : uint8_t { nothing, copy_command, save_picture, chart, reload };
 
 constexpr float panel_width = 380;

@@ -21,7 +21,7 @@ void draw_label(ImVec2 place, const std::string& text, ImU32 color, float width)
   list.AddText(ImGui::GetFont(), ImGui::GetFontSize(), place, color, text.c_str(), nullptr, width);
 }
 
-// Below, at the side where the mouse is not.
+// Draws the inspection text at the bottom, on the side away from the mouse.
 void draw_inspection(const State& state, const Drawer::Shown& shown, ImVec2 size) {
   if (!state.inspects || !state.view.scene) return;
   const std::string text = inspection_text(state, shown);
@@ -64,7 +64,7 @@ void PictureArea::upload(const Drawer::Shown& shown) {
   map_.from = shown.map;
 }
 
-// The part of a side's picture from `begin` to `end` of the width.
+// Draws the part of a side's picture from `begin` to `end` of the width.
 void PictureArea::draw_side(const State& state, const Drawer::Shown& shown, size_t side, float begin, float end,
                             ImVec2 size) const {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();

@@ -1,4 +1,5 @@
-// The pictures in the window: A, B, both at a slider, or how they differ; and what the mouse does there. Main thread.
+// Draws the pictures in the window, A, B, both with a slider, or their difference, and handles the mouse there. Main
+// thread.
 #pragma once
 
 #include <array>
@@ -13,7 +14,7 @@ class PictureArea {
   void draw(State& state, const Drawer::Shown& shown, ImVec2 size, float pixels_per_unit);
 
  private:
-  // A texture and what it was made from.
+  // Holds a texture and its source.
   struct Uploaded {
     Texture texture;
     std::shared_ptr<const void> from;
@@ -25,11 +26,11 @@ class PictureArea {
 
   std::array<Uploaded, sides> sides_;
   Uploaded map_;
-  glm::dvec3 pivot_{0};  // of the drag that goes on
+  glm::dvec3 pivot_{0};  // of the current drag
   bool drags_slider_ = false;
 };
 
-// The distance of the opaque surface there, along the view axis; `otherwise` where there is none.
+// Returns the distance of the opaque surface there, along the view axis; `otherwise` where there is none.
 double depth_at(const Frame* frame, double x, double y, double otherwise);
 
 }  // namespace sideray::viewer

@@ -36,7 +36,8 @@ void StageGraph::draw() const {
   const ImVec2 corner = ImGui::GetCursorScreenPos(), size{ImGui::GetContentRegionAvail().x, 84};
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled(corner, {corner.x + size.x, corner.y + size.y}, IM_COL32(20, 22, 25, 255), 3);
-  // The newest bar is half as high as the graph at least: whole pictures may take a hundred times as long as moving ones.
+  // The newest bar takes at least half the graph's height: final pictures may take a hundred times as long as moving
+  // ones.
   double longest = 1;
   for (const Bar& bar : bars_) longest = std::max(longest, bar.total);
   const double most = bars_.empty() ? longest : std::min(longest, 2.0 * bars_.back().total);

@@ -1,4 +1,4 @@
-// The times of the last pictures by stage. Main thread.
+// Draws the times of the last pictures by stage. Main thread.
 #pragma once
 
 #include <deque>
@@ -10,7 +10,7 @@ namespace sideray::viewer {
 
 class StageGraph {
  public:
-  // The newest picture of a side; one that is there already is not added again.
+  // Adds the newest picture of a side, unless it was added before.
   void add(size_t side, const std::shared_ptr<const Frame>& frame);
   void draw() const;
 

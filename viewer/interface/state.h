@@ -1,4 +1,4 @@
-// All that people change in the window. Main thread.
+// Holds everything that users change in the window. Main thread.
 #pragma once
 
 #include <string>
@@ -16,15 +16,15 @@ struct State {
   sideray_scene_facts facts{};
   Comparison comparison = Comparison::only_a;
   float slider = 0.5f;
-  bool blinks = false, shows_b = false;  // while it blinks: which side it is at
+  bool blinks = false, shows_b = false;  // shows_b: the side shown while it blinks
   bool has_panel = true, inspects = false, plays = false;
   bool is_panel_seen = true;
-  double moved_at = -1;  // the time at which the camera was moved
-  std::optional<std::string> wanted_variant;  // another one than is shown
-  std::string message;   // what happened last
+  double moved_at = -1;  // time of the camera's last motion
+  std::optional<std::string> wanted_variant;  // differs from the shown one
+  std::string message;   // about the last event
   bool is_error = false;
 
-  // Another picture is to be drawn.
+  // Requests another picture.
   void touch() { ++view.number; }
   void say(const std::string& text) { message = text, is_error = false; }
   void complain(const std::string& text) { message = text, is_error = true; }

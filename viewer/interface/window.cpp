@@ -16,7 +16,7 @@
 namespace sideray::viewer {
 namespace {
 
-// Of OpenGL 1.1; libGL is not linked.
+// Functions of OpenGL 1.1; libGL is not linked.
 struct Functions {
   decltype(&glGenTextures) gen_textures;
   decltype(&glBindTexture) bind_texture;
@@ -26,7 +26,7 @@ struct Functions {
   decltype(&glViewport) viewport;
   decltype(&glClearColor) clear_color;
   decltype(&glClear) clear;
-  GLenum (*reset_status)();  // null: the driver does not tell
+  GLenum (*reset_status)();  // null where the driver lacks it
 };
 Functions gl;
 
@@ -51,7 +51,7 @@ void find_functions() {
       gl.reset_status = reinterpret_cast<decltype(gl.reset_status)>(glfwGetProcAddress(name));
 }
 
-// Words for a status of GL_ARB_robustness.
+// Returns a text for a status of GL_ARB_robustness.
 const char* cause_of(GLenum status) {
   switch (status) {
     case 0x8253: return "by what it drew";
@@ -76,9 +76,9 @@ int go_on(void*, void*) {
   return 0;
 }
 
-// Xlib's own handlers end the program in the middle of its threads: where the display is gone, and where a request fails, as
-// GLFW's do that answer the window from which a file was dropped after that is closed. The library is the one that GLFW has
-// opened; elsewhere than on X11 there is none.
+// Replaces Xlib's handlers, which end the program while its threads run: when the display is gone, and when a request
+// fails. GLFW's reply to a window from which a file was dropped fails if that window is already closed. Uses the
+// library that GLFW has opened; outside X11 there is none.
 void handle_x_errors() {
   void* const xlib = ::dlopen("libX11.so.6", RTLD_LAZY | RTLD_NOLOAD);
   if (!xlib) return;
@@ -91,7 +91,7 @@ void handle_x_errors() {
   ::dlclose(xlib);
 }
 
-// What GLFW said last, for a message of ours.
+// Returns GLFW's last error, for our message.
 std::string reason() {
   const char* description = nullptr;
   glfwGetError(&description);
@@ -236,7 +236,7 @@ void Texture::upload(uint32_t width, uint32_t height, const std::vector<uint8_t>
            rgb.data());
 }
 
-// A pointer in some versions of Dear ImGui, a number in others.
+// Returns a texture's id, which is a pointer in some versions of Dear ImGui and a number in others.
 template <typename Id>
 Id texture_id(uintptr_t name) {
   if constexpr (std::is_pointer_v<Id>)

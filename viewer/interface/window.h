@@ -1,4 +1,4 @@
-// A window with OpenGL and Dear ImGui. Main thread, one at a time.
+// Opens a window with OpenGL and Dear ImGui. Main thread, one at a time.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +12,14 @@ struct GLFWwindow;
 
 namespace sideray::viewer {
 
-// What the window tells beside what Dear ImGui knows.
+// Callbacks for events that Dear ImGui does not report.
 struct WindowEvents {
-  std::function<void(int key, bool with_control)> key;  // pressed, where no text is being written
+  std::function<void(int key, bool with_control)> key;  // a key was pressed while no text is edited
   std::function<void(const std::vector<std::string>& paths)> drop;
   std::function<void()> display_gone;  // does not return
 };
 
-// The window's OpenGL is gone, and all that was in it.
+// Thrown when the window's OpenGL context is lost, with everything in it.
 struct ContextLost : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -35,16 +35,15 @@ class Window {
   bool is_closing() const;
   void close();
   void hide();
-  // Until there is an event or so many seconds are over ; whether there was one. 0: looks, and does
-  // not wait.
+  // Waits for an event, at most so many seconds (0 = not at all). Returns whether there was one.
   bool wait(double seconds);
   static void wake();  // any thread
   bool is_down(int key) const;
   void set_title(const std::string& title);
   void copy_text(const std::string& text);
 
-  // Calls `content` between the beginning and the end of a frame of Dear ImGui, and shows it. A minimised window draws nothing.
-  // Throws ContextLost.
+  // Calls `content` inside a frame of Dear ImGui, and shows the frame. A minimized window draws nothing. Throws
+  // ContextLost.
   void draw(const std::function<void()>& content);
   float pixels_per_unit() const;
 
@@ -57,7 +56,7 @@ class Window {
   std::string title_;
 };
 
-// A picture in the window's OpenGL. Main thread, while there is a window.
+// Holds a picture in the window's OpenGL. Main thread, while there is a window.
 class Texture {
  public:
   void upload(uint32_t width, uint32_t height, const std::vector<uint8_t>& rgb);

@@ -246,7 +246,7 @@ uint32_t paint_sign(ContentBuilder& b) {
 // Paints the dusk sky from the zenith (top row) to below the horizon, with streaks of cloud. Unlit: codes of radiance.
 uint32_t paint_sky(ContentBuilder& b) {
   return paint_image(b, "dusk", 256, 128, [](glm::vec2 uv) {
-    const float up = 1.0f - 2.0f * uv.y;  // sine-like: 1 zenith, 0 horizon
+    const float up = 1.0f - 2.0f * uv.y;  // 1 at the zenith, 0 at the horizon
     const float glow = elementary::exp(-std::max(up, 0.0f) * 7.0f), cloud = fractal_noise({uv.x, uv.y}, 6, 4, 99);
     Texel t;
     t.color = glm::mix(rgb(0x22345c), rgb(0x5a6a94), elementary::exp(-std::max(up, 0.0f) * 2.5f));
