@@ -3,7 +3,8 @@
 // current calls it.
 //
 // What it leaves out: surfaces of one texel that lie on both sides of a receiver all tint it, once it lies behind the first;
-// where solids overlap, both absorb; light is not bent.
+// where solids overlap, both absorb; light is not bent. A translucent receiver takes its own part off the sum, which of a
+// solid is not known: solids are not tinted.
 #pragma once
 
 #include <cstdint>
