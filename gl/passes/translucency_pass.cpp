@@ -133,7 +133,8 @@ void RasterState::draw_translucent_items(Items items, const Translucency& pass, 
     }
     const Draw& draw = *item.draw;
     program.set("traced_surface_id", is_traced(draw, pass.traced) ? draw.surface_id : 0u);
-    program.set("tints_light", static_cast<int>(model::tints_light(scene->material(draw), scene->snapshot().instances[draw.instance])));
+    const model::Instance& instance = scene->snapshot().instances[draw.instance];
+    program.set("tints_light", static_cast<int>(model::tints_light(scene->material(draw), instance)));
     scene->bind_material(draw.material, scene->shading(draw).maps);
     scene->set_wind(program, draw);
     draw_translucent_object(draw, order);

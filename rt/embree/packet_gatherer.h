@@ -205,9 +205,9 @@ class PacketGatherer {
       const TraceInstance& instance = table_.instances[named.instance];
       Hit hit;
       if (!finish_hit(instance, named.instance, named.primitive, *lane.ray, plane, hit)) continue;
+      const auto& [a, b, c] = block_.corners;
       const bool clear = std::min({hit.u, hit.v, 1.0f - hit.u - hit.v}) >= edge_weight ||
-                         is_clear_of_edges(instance, {block_.corners[0][k], block_.corners[1][k], block_.corners[2][k]},
-                                           *lane.ray, plane);
+                         is_clear_of_edges(instance, {a[k], b[k], c[k]}, *lane.ray, plane);
       near_edges_ |= static_cast<uint32_t>(!clear) << lane_of_[k];
       insert_hit(table_, rules, lane, hit);
     }

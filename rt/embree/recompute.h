@@ -100,8 +100,8 @@ struct NamedTriangle {
 // as seen along the ray, if the hit is that close to an edge of its triangle; otherwise 0.
 double near_edge(const TraceTable& table, const Ray& ray, const Hit& hit);
 
-// Returns whether near_edge() is 0, by a bound that costs less, where the triangle's local corners and the plane's hit are at
-// hand; false where it does not know.
+// Returns whether near_edge() is 0, by a bound that costs less, where the triangle's local corners and the plane's hit
+// are at hand; false where it does not know.
 bool is_clear_of_edges(const TraceInstance& instance, const std::array<LocalPosition, 3>& corners, const Ray& ray,
                        const PlaneHit& plane);
 

@@ -201,7 +201,8 @@ struct OuterTints {
 };
 
 // Without branches, on copies of what bytes might alias, so that it becomes vectors.
-SIDERAY_VECTORS void take_neighbour(const uint8_t* tints, const uint8_t* same, Neighbour neighbour, OuterTints& outer) {
+SIDERAY_VECTORS void take_neighbour(const uint8_t* tints, const uint8_t* same, Neighbour neighbour,
+                                    OuterTints& outer) {
   constexpr auto less = [](uint8_t a, uint8_t b) { return a < b ? a : b; };
   constexpr auto more = [](uint8_t a, uint8_t b) { return a > b ? a : b; };
   uint8_t *const low0 = outer.low[0].data(), *const low1 = outer.low[1].data(), *const low2 = outer.low[2].data();

@@ -71,8 +71,14 @@ int32_t ShadowFilter::at(uint32_t x, uint32_t y) const {
 }
 
 ShadowPlanes ShadowFilter::planes() {
-  return {planes_[visibility].data(), planes_[filtered].data(), planes_[nearness].data(), leader_->planes_[reach].data(),
-          guide_->inverse.data(),     guide_->slope_x.data(),   guide_->slope_y.data(),   stride_};
+  return {planes_[visibility].data(),
+          planes_[filtered].data(),
+          planes_[nearness].data(),
+          leader_->planes_[reach].data(),
+          guide_->inverse.data(),
+          guide_->slope_x.data(),
+          guide_->slope_y.data(),
+          stride_};
 }
 
 ShadowHistoryPlanes ShadowFilter::history(uint32_t which) {
@@ -301,7 +307,8 @@ void ShadowFilter::store(Executor& executor, const float* plane, std::span<float
 void ShadowFilter::share_reach(std::span<ShadowFilter* const> filters, std::span<const ShadowFilterInput> inputs) {
   for (size_t i = 0; i < filters.size(); ++i) {
     ShadowFilter* const before = i > 0 ? filters[i - 1]->leader_ : nullptr;
-    const bool shares = before && !inputs[i].mask.empty() && before->sharing_.size() < most_sharing &&
+    const bool shares = before && !inputs[i].mask.empty() && !inputs[i - 1].mask.empty() &&
+                        before->sharing_.size() < most_sharing &&
                         inputs[i].hit_distance.data() == inputs[i - 1].hit_distance.data();
     filters[i]->leader_ = shares ? before : filters[i];
     filters[i]->sharing_.clear();

@@ -39,9 +39,9 @@ class ShadowFilter {
   // Filters within the frame. `result` has the images' size. Throws Failure (INVALID_ARGUMENT) if sizes differ.
   void spatial(Executor& executor, const ShadowFilterInput& input, std::span<float> result);
   // Does the same for several filters of one size at once, each of which stores its result in store(); what depends on
-  // the depth is computed once for all that name the same images, and neighbours that name the same hit distances, colours
-  // of one light, look equally far. `whole`: what temporal() needs, too; otherwise tiles
-  // that cannot change are left out.
+  // the depth is computed once for all that name the same images, and masks in a row that name the same hit distances,
+  // colours of one light, look equally far. `whole`: what temporal() needs, too; otherwise tiles that cannot change are
+  // left out.
   static void spatial(Executor& executor, std::span<ShadowFilter* const> filters,
                       std::span<const ShadowFilterInput> inputs, bool whole);
   // Writes the results of spatial(), or of temporal() if `accumulated`, to the masks (255 = 1) where they differ.

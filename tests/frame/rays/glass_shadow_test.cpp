@@ -34,11 +34,12 @@ struct Stage {
   double angle_deg = 0;    // of the light to the normal
 };
 
-// alone: rays without OpenGL; layers: the floor is a translucent surface itself, of which layers are traced; maps: no rays at
-// all; veil: the same of a floor that half the light passes; paths: without the caustics of lamps, above a floor so dark that little of what it throws back returns; off: nothing
-// translucent is drawn.
+// alone: rays without OpenGL; layers: the floor is a translucent surface itself, of which layers are traced; maps: no
+// rays at all; veil: the same, of a floor that half the light passes; paths: without the caustics of lamps, above a floor
+// so dark that little of what it throws back returns; off: nothing translucent is drawn.
 enum class Way { hybrid, alone, raytraced, reference, soft, layers, maps, veil, paths, off, off_maps };
-constexpr Way ways[] = {Way::hybrid, Way::alone, Way::raytraced, Way::reference, Way::soft, Way::layers, Way::maps, Way::veil};
+constexpr Way ways[] = {Way::hybrid, Way::alone, Way::raytraced, Way::reference,
+                        Way::soft,   Way::layers, Way::maps,     Way::veil};
 constexpr float dark = 0.02f;
 
 bool by_maps(Way way) {
@@ -46,7 +47,8 @@ bool by_maps(Way way) {
 }
 
 std::string name_of(Way way) {
-  constexpr const char* names[] = {"hybrid", "alone", "raytraced", "reference", "soft", "layers", "maps", "veil", "paths", "off", "off, maps"};
+  constexpr const char* names[] = {"hybrid", "alone", "raytraced", "reference", "soft",     "layers",
+                                   "maps",   "veil",  "paths",     "off",       "off, maps"};
   return names[static_cast<int>(way)];
 }
 
