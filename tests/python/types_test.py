@@ -47,10 +47,11 @@ def test_the_tour_names_all_there_is():
 def test_mypy(tmp_path):
     checker("mypy")
     shutil.copy(TOUR, tmp_path)
-    # The package by its path, as it is and as users import it.
-    search = {**os.environ, "MYPYPATH": str(PACKAGE.parent)}
-    for what in (PACKAGE, "tour.py"):
-        run(sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path / "cache", what, cwd=tmp_path, env=search)
+    # The package, and as users import it; mypy finds what is installed by itself.
+    is_installed = PACKAGE.parent.name in ("site-packages", "dist-packages")
+    search = {**os.environ, **({} if is_installed else {"MYPYPATH": str(PACKAGE.parent)})}
+    for what in (("-p", "sideray"), ("tour.py",)):
+        run(sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path / "cache", *what, cwd=tmp_path, env=search)
 
 
 def test_pyright(tmp_path):

@@ -221,7 +221,7 @@ class Mirror:
     def lights(self, source: Any, states: Sequence[Any], forwards: Array) -> Optional[List[List[Dict[str, Any]]]]:
         """The lights of each state, whose camera looks along `forwards`; None where it is not known which they are."""
         shown = source.lights[:source.nlight]
-        numbers = iter(np.nonzero(self.model.light_active)[0] if self.model.nlight else ())
+        numbers = iter(np.nonzero(self.model.light_active)[0].tolist() if self.model.nlight else [])
         of_model = [None if light.headlight else next(numbers, None) for light in shown]
         first = states[0]
         for light, number in zip(shown, of_model):
