@@ -19,7 +19,7 @@ class Application {
   Application(const Arguments& arguments, const std::string& program);
   // Until the window is closed. Throws Error where its OpenGL context is lost.
   void run();
-  // Whether what is being drawn and read ends in that time; a picture cannot be stopped in the middle.
+  // Whether what is being drawn and read ends in that time.
   bool ends_within(double seconds);
 
  private:
@@ -29,6 +29,7 @@ class Application {
   SceneSource wanted_source() const;
   void take_variant();
   void take_scene();
+  void take_first_view();
   void fly(double seconds);
   void play();
   void follow_camera();

@@ -35,8 +35,7 @@ class Window {
   bool is_closing() const;
   void close();
   void hide();
-  // Until there is an event or so many seconds are over ; whether there was one. 0: looks, and does
-  // not wait.
+  // Until there is an event or so many seconds are over; whether there was one. 0: looks, and does not wait.
   bool wait(double seconds);
   static void wake();  // any thread
   bool is_down(int key) const;
