@@ -28,7 +28,8 @@ needs_lost_context = unittest.skipUnless(LOST_CONTEXT, "the library that loses c
 SCREEN = (1000, 600)
 PANEL = 380
 # Middles of the panel's rows, in pixels below its top.
-ROWS = {"shows": 169, "variant": 219}
+ROWS = {"shows": 169, "camera": 194, "variant": 219}
+CHART_ABOVE_END = 78  # the button that makes a chart, above the end of the panel
 
 
 def png_rows(path):
@@ -135,6 +136,22 @@ class Viewer(unittest.TestCase):
         self.fail(f"{text!r} did not come within {seconds} s; the title is {self.title()!r}; "
                   f"{self.window.stderr.read() if self.window.poll() is not None else ''}")
 
+    def turn(self):
+        """Drags the view to another side of things."""
+        still = self.display.screen((0, 30, 160, 90))
+        self.drag((60, 60), (80, 60), (95, 66))
+        self.wait_until(lambda: self.display.screen((0, 30, 160, 90)) != still, "a drag did not turn the view")
+        time.sleep(1)
+        self.wait_for("64/64")
+
+    def copied(self):
+        """What the window has copied: one line."""
+        for _ in range(50):
+            if text := self.client.copied_text(1):
+                return text
+            time.sleep(0.1)
+        self.fail("nothing was copied")
+
     def close(self):
         """Closes the window; the seconds that it took."""
         begin = time.monotonic()
@@ -169,6 +186,72 @@ class Viewer(unittest.TestCase):
         time.sleep(3)
         self.assertLessEqual(self.cpu_seconds() - before, 0.03, "an idle window used the CPU")
         self.assertLess(self.close(), 3)
+
+    def test_the_copied_command_line_draws_the_same_picture(self):
+        self.open("panes", "160x90", "--quality", "draft", "--ambient", "ao")
+        self.wait_for("64/64")
+        self.turn()
+        saved = self.save()
+        self.client.press("Control_L", "c")
+        words = shlex.split(self.copied())
+        self.assertEqual(words[:3], ["sideray", "render", "panes"])
+        subprocess.run([PROGRAM, *words[1:], "--gl", "none"], cwd=self.folder, check=True, stdout=subprocess.DEVNULL)
+        self.assertEqual(png_rows(saved), png_rows(self.folder / "picture.png"))
+        self.close()
+
+    def test_keys_fly_and_the_list_has_cameras(self):
+        self.open("panes", "120x260")
+        picture = (10, 40, 110, 250)
+        self.wait_for("64/64")
+        views = [self.display.screen(picture)]
+        for key in ("w", "d", "e"):
+            self.client.hold(key, True)
+            time.sleep(0.5)
+            self.client.hold(key, False)
+            self.wait_until(lambda: self.display.screen(picture) != views[-1], f"{key} did not move the view")
+            views.append(self.display.screen(picture))
+        self.choose("camera", 0, 120)
+        self.wait_until(lambda: self.display.screen(picture) == views[0], "the file's camera is not shown", 150)
+        self.choose("camera", 1, 120)
+        self.wait_until(lambda: self.display.screen(picture) != views[0], "not all of the scene is shown")
+        self.close()
+
+    def test_blinking_shows_a_and_b_in_turn(self):
+        self.open("panes", "160x90", "--translucency", "raytraced")
+        self.wait_for("64/64")
+        picture = (0, 30, 160, 90)
+        a = self.display.screen(picture)
+        self.client.press("b")
+        self.wait_for("reference ")
+        for _ in range(2):
+            self.wait_until(lambda: self.display.screen(picture) != a, "B is not shown", 60)
+            self.wait_until(lambda: self.display.screen(picture) == a, "A is not shown", 60)
+        self.close()
+
+    def charting(self):
+        """The words of the program that charts for the window; none where none does."""
+        for child in pathlib.Path(f"/proc/{self.window.pid}/task/{self.window.pid}/children").read_text().split():
+            words = pathlib.Path(f"/proc/{child}/cmdline").read_text().split("\0")[1:-1]
+            if words[:1] == ["chart"]:
+                return words
+        return []
+
+    def test_a_chart_of_the_view_is_made_until_the_window_is_closed(self):
+        self.open("panes", "160x580", "--ambient", "ao")
+        self.wait_for("64/64")
+        self.client.move(300, 400)
+        for _ in range(30):
+            self.client.button(5, True)
+            self.client.button(5, False)
+            time.sleep(0.02)
+        time.sleep(0.5)
+        self.client.click(160 + 55, 580 - CHART_ABOVE_END)
+        self.wait_until(self.charting, "no chart is made")
+        words = self.charting()
+        self.assertEqual((words[1], words[-2:]), ("panes", ["-o", "panes-001-chart"]))
+        self.assertIn("160x580", words)
+        self.close()
+        self.assertEqual(subprocess.run(["pgrep", "-f", "panes-001-chart"], stdout=subprocess.PIPE).stdout, b"", "it goes on")
 
     def test_mouse_and_keys_move_the_camera_and_compare(self):
         self.open("panes")
@@ -310,11 +393,7 @@ class Viewer(unittest.TestCase):
 
     def lose(self, lose, reason):
         """Moves, saves a picture, loses the window, and goes on where it was."""
-        still = self.display.screen((0, 30, 160, 90))
-        self.drag((60, 60), (80, 60), (95, 66))
-        self.wait_until(lambda: self.display.screen((0, 30, 160, 90)) != still, "a drag did not turn the view")
-        time.sleep(1)
-        self.wait_for("64/64")
+        self.turn()
         saved = self.save()
         lose()
         self.assertEqual(self.window.wait(20), 1)

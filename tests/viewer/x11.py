@@ -118,7 +118,34 @@ class Client:
         """As the button of a window manager does."""
         self._send(window, "WM_PROTOCOLS", [self.atom("WM_DELETE_WINDOW"), 0, 0, 0, 0])
 
-    # --- files
+    # --- text and files
+
+    def copied_text(self, seconds=5):
+        """What a program has put on the clipboard."""
+        window = _x11.XCreateSimpleWindow(self.display, _Window(self.root), 0, 0, 1, 1, 0, ctypes.c_ulong(0), ctypes.c_ulong(0))
+        answer = self.atom("SIDERAY_COPIED")
+        _x11.XConvertSelection(self.display, _Atom(self.atom("CLIPBOARD")), _Atom(self.atom("UTF8_STRING")), _Atom(answer),
+                               _Window(window), ctypes.c_ulong(0))
+        self._wait_for(_SELECTION_NOTIFY, seconds)
+        kind, form, count, rest = _Atom(), ctypes.c_int(), ctypes.c_ulong(), ctypes.c_ulong()
+        text = ctypes.c_char_p()
+        _x11.XGetWindowProperty(self.display, _Window(window), _Atom(answer), ctypes.c_long(0), ctypes.c_long(1 << 16), 0, _Atom(0),
+                                ctypes.byref(kind), ctypes.byref(form), ctypes.byref(count), ctypes.byref(rest), ctypes.byref(text))
+        _x11.XDestroyWindow(self.display, _Window(window))
+        self.flush()
+        return (text.value or b"").decode()
+
+    def _wait_for(self, kind, seconds):
+        """The next event of that kind; None where there is none in time."""
+        event, end = _Event(), time.monotonic() + seconds
+        while time.monotonic() < end:
+            if not _x11.XPending(self.display):
+                time.sleep(0.01)
+                continue
+            _x11.XNextEvent(self.display, ctypes.byref(event))
+            if event.type == kind:
+                return event
+        return None
 
     def drop(self, window, paths, seconds=5):
         """Drops files on a window as a file manager does; whether the window took them."""
@@ -135,19 +162,12 @@ class Client:
         return taken
 
     def _serve(self, text, seconds):
-        event, end = _Event(), time.monotonic() + seconds
-        while time.monotonic() < end:
-            if not _x11.XPending(self.display):
-                time.sleep(0.01)
-                continue
-            _x11.XNextEvent(self.display, ctypes.byref(event))
-            if event.type != _SELECTION_REQUEST:
-                continue
-            ask = event.request
-            _x11.XChangeProperty(self.display, _Window(ask.requestor), _Atom(ask.property), _Atom(ask.target), 8, 0, text, len(text))
-            answer = _Selection(_SELECTION_NOTIFY, 0, 1, self.display, ask.requestor, ask.selection, ask.target, ask.property,
-                                ask.time)
-            _x11.XSendEvent(self.display, _Window(ask.requestor), 0, ctypes.c_long(0), ctypes.byref(answer))
-            self.flush()
-            return True
-        return False
+        event = self._wait_for(_SELECTION_REQUEST, seconds)
+        if not event:
+            return False
+        ask = event.request
+        _x11.XChangeProperty(self.display, _Window(ask.requestor), _Atom(ask.property), _Atom(ask.target), 8, 0, text, len(text))
+        answer = _Selection(_SELECTION_NOTIFY, 0, 1, self.display, ask.requestor, ask.selection, ask.target, ask.property, ask.time)
+        _x11.XSendEvent(self.display, _Window(ask.requestor), 0, ctypes.c_long(0), ctypes.byref(answer))
+        self.flush()
+        return True

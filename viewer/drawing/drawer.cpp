@@ -31,7 +31,12 @@ bool is_power_of_two(uint64_t n) {
 }  // namespace
 
 Drawer::Drawer(Machine& machine, std::function<void()> wake)
-    : machine_(machine), wake_(std::move(wake)), whole_(machine), small_(machine), pictures_([this] { draw_pictures(); }), previews_([this] { draw_previews(); }) {}
+    : machine_(machine),
+      wake_(std::move(wake)),
+      whole_(machine),
+      small_(machine),
+      pictures_([this] { draw_pictures(); }),
+      previews_([this] { draw_previews(); }) {}
 
 Drawer::~Drawer() {
   stop();

@@ -111,19 +111,27 @@ void Application::take_scene() {
   if (warnings.begin() != warnings.end()) state_.say(*warnings.begin());
   if (is_other) {
     state_.navigation.follow(loaded->scene->content().cameras.empty() ? std::nullopt : std::optional<size_t>(0));
-    if (!is_first_scene_) state_.view.time_s = 0;
-    if (is_first_scene_ && !arguments_.text("eye").empty()) {
-      const std::array<double, 3> eye = point_of("eye", arguments_.text("eye")), target = point_of("target", arguments_.text("target"));
-      state_.navigation.look({eye[0], eye[1], eye[2]}, {target[0], target[1], target[2]}, arguments_.number("fov", 45));
-    } else if (const std::string wanted = arguments_.text("camera"); is_first_scene_ && !wanted.empty()) {
-      const auto& cameras = loaded->scene->content().cameras;
-      const auto at = std::find_if(cameras.begin(), cameras.end(), [&](const scenes::Camera& c) { return c.name == wanted; });
-      state_.navigation.follow(at != cameras.end() ? static_cast<size_t>(at - cameras.begin())
-                                                   : static_cast<size_t>(arguments_.number("camera", 0)));
-    }
+    if (is_first_scene_)
+      take_first_view();
+    else
+      state_.view.time_s = 0;
   }
   is_first_scene_ = false;
   state_.touch();
+}
+
+// As the words say with which the window was started.
+void Application::take_first_view() {
+  const std::string eye = arguments_.text("eye"), camera = arguments_.text("camera");
+  if (!eye.empty()) {
+    const std::array<double, 3> from = point_of("eye", eye), to = point_of("target", arguments_.text("target"));
+    state_.navigation.look({from[0], from[1], from[2]}, {to[0], to[1], to[2]}, arguments_.number("fov", 45));
+  } else if (!camera.empty()) {
+    const auto& cameras = state_.view.scene->content().cameras;
+    const auto at = std::find_if(cameras.begin(), cameras.end(), [&](const scenes::Camera& c) { return c.name == camera; });
+    state_.navigation.follow(at != cameras.end() ? static_cast<size_t>(at - cameras.begin())
+                                                 : static_cast<size_t>(arguments_.number("camera", 0)));
+  }
 }
 
 void Application::press(int key, bool with_control) {

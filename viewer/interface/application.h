@@ -29,6 +29,7 @@ class Application {
   SceneSource wanted_source() const;
   void take_variant();
   void take_scene();
+  void take_first_view();
   void fly(double seconds);
   void play();
   void follow_camera();
