@@ -432,8 +432,8 @@ SIDERAY_API sideray_status sideray_service_stats(sideray_service* service, sider
  * the version is not supported. Needs no context. */
 SIDERAY_API const char* sideray_glsl(int glsl_version);
 
-/* Whole programs in GLSL 1.20 for hosts that have no shaders of their own; shaders/ready_*.glsl say what their uniforms
- * are. They need `float_ids`. */
+/* Whole programs in GLSL 1.20 for hosts that have no shaders of their own; shaders/host/ready_*.glsl say what their
+ * uniforms are. They need `float_ids`. */
 typedef enum sideray_ready_program {
   SIDERAY_READY_GLASS = 0,  /* glass as the fixed function lights and textures it, with answers where there are any */
   SIDERAY_READY_SHADOWS = 1, /* multiplies the opaque picture by a light's shadow mask and the occlusion mask */
