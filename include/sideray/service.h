@@ -436,7 +436,7 @@ SIDERAY_API sideray_status sideray_service_stats(sideray_service* service, sider
  * NULL: the version is not supported. Needs no context. */
 SIDERAY_API const char* sideray_glsl(int glsl_version);
 
-/* Whole programs in GLSL 1.20 for hosts without shaders of their own; shaders/ready_*.glsl explain their uniforms. They
+/* Whole programs in GLSL 1.20 for hosts without shaders of their own; shaders/host/ready_*.glsl explain their uniforms. They
  * need `float_ids`. */
 typedef enum sideray_ready_program {
   SIDERAY_READY_GLASS = 0,  /* glass lit and textured by the fixed function, with answers where there are any */
