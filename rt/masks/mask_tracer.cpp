@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "rt/base/sampling.h"
+#include "rt/masks/mask_filters.h"
 
 namespace sideray::rt {
 namespace {
