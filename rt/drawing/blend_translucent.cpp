@@ -13,8 +13,8 @@
 namespace sideray::rt {
 namespace {
 
-// Maps of tints are for opaque receivers: fragments have none.
-constexpr bool tints = false;
+// What glass leaves of a light tints surfaces; maps of tints are not for sprites.
+constexpr bool tints = true, tints_sprites = false;
 // A pixel with less transmittance than this is opaque.
 constexpr float least_let_through = 1e-4f;
 
@@ -111,7 +111,7 @@ Counters blend_translucent(const BlendRequest& r, TracedScene& scene, std::vecto
     aside.emplace(shading, r.view, levels);
   }
   SpriteLights sprites(executor.threads());
-  Counters traced = sprites.light(shading, scene.intersector(), {r.shadows, tints}, executor);
+  Counters traced = sprites.light(shading, scene.intersector(), {r.shadows, tints_sprites}, executor);
   const FrameContext context{.request = &request,
                              .view = &view,
                              .scene = &shading,
