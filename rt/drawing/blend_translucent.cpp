@@ -13,8 +13,8 @@
 namespace sideray::rt {
 namespace {
 
-// Maps of tints are for opaque receivers; fragments have no such map.
-constexpr bool tints = false;
+// Glass tints the light on surfaces, but not on sprites, as in the rasterizer's maps of tints.
+constexpr bool tints = true, tints_sprites = false;
 // A pixel with less transmittance counts as opaque.
 constexpr float least_let_through = 1e-4f;
 
@@ -111,7 +111,7 @@ Counters blend_translucent(const BlendRequest& r, TracedScene& scene, std::vecto
     aside.emplace(shading, r.view, levels);
   }
   SpriteLights sprites(executor.threads());
-  Counters traced = sprites.light(shading, scene.intersector(), {r.shadows, tints}, executor);
+  Counters traced = sprites.light(shading, scene.intersector(), {r.shadows, tints_sprites}, executor);
   const FrameContext context{.request = &request,
                              .view = &view,
                              .scene = &shading,
