@@ -79,9 +79,10 @@ Vec3 vector_of(const Array<double>& array, const char* what) {
 }
 
 // Computes MuJoCo's haze, which blends infinite planes into a colour, and that into the sky at the horizon. As measured
-// in its pictures, it is two strips around the viewer. The first goes from no haze, at (1 - share) of the distance `end`,
-// to the colour at `end`. The second goes on to no haze, at (1 + share) of `end` and at the eye's height. The inner edge
-// of the first is moved away from the eye by the factor 1 + share, to below the plane. The plane ends at `end`.
+// in its pictures, it is two strips around the viewer. The first goes from no haze, at (1 - share) of the distance
+// `end`, to the colour at `end`. The second goes on to no haze, at (1 + share) of `end` and at the eye's height. The
+// inner edge of the first is moved away from the eye by the factor 1 + share, to below the plane. The plane ends at
+// `end`.
 struct Haze {
   Array<uint32_t> surfaces;   // of each pixel
   Array<uint8_t> is_endless;  // of each surface id: 1 for the background (0) and infinite planes
