@@ -1,5 +1,5 @@
-// A scene of the fixed function against what the driver's fixed function makes of the same lights, materials, colours and
-// textures, term by term; and what its glass shows.
+// Compares a fixed-function scene with the driver's fixed function, for the same lights, materials, colours and
+// textures, term by term; and tests its glass.
 #include <gmock/gmock.h>
 
 #include <random>
@@ -34,7 +34,7 @@ struct Point {
   glm::vec4 color;
 };
 
-// What is drawn, and what is traced.
+// Holds the look that is both drawn and traced.
 struct Look {
   std::vector<sideray_fixed_light> lights;
   sideray_fixed_material material = sideray_fixed_material_defaults();
@@ -49,7 +49,7 @@ GLint mode_of(sideray_texture_environment environment) {
   return modes[environment];
 }
 
-// Lights, materials and points, drawn as single points by glBegin, and hit by rays as small quads in the same places.
+// Draws points by glBegin, and traces small quads in the same places, with the same lights and materials.
 class FixedFunction : public testing::Test {
  protected:
   FixedFunction() : gl(host.gl), depth_(gl), texture_(gl) {
@@ -80,7 +80,7 @@ class FixedFunction : public testing::Test {
     light.spot_cutoff_deg = numbers.in(10, 90), light.spot_exponent = numbers.in(0, 40);
     return light;
   }
-  // One light of diffuse and specular light alone, which does not fade.
+  // Returns a light with diffuse and specular terms alone, without attenuation.
   sideray_fixed_light plain_light(int kind) {
     sideray_fixed_light light = random_light(kind);
     for (float& c : light.ambient) c = 0;
@@ -139,7 +139,7 @@ class FixedFunction : public testing::Test {
     gl.TexEnvi(GL_TEXTURE_ENV, GL_TEXTURE_ENV_MODE, mode_of(look.material.environment));
   }
 
-  // Points of a wall before the eye, one in the middle of each fourth pixel, whose normals, by chance, face it.
+  // Makes points on a wall before the eye, in the middle of every fourth pixel, with random normals toward the eye.
   void make_points() {
     const glm::dmat4 world = glm::inverse(clip_from_eye * eye_from_world);
     for (int i = 0; i < point_count; ++i) {
@@ -227,7 +227,7 @@ class FixedFunction : public testing::Test {
     in.frame.source.framebuffer = 0, in.frame.source.depth_renderbuffer = depth_.id();
     return in;
   }
-  // What rays show of them: RGB, and what they cover.
+  // Traces them: RGB and coverage.
   GlassHost::Picture trace(const Look& look) {
     put_in_scene(look);
     FrameInputs in = inputs();
@@ -244,7 +244,7 @@ class FixedFunction : public testing::Test {
     return picture;
   }
 
-  // Compares both to a code of 255. `least`: so many channels are neither black nor white.
+  // Compares both to 1/255. At least `least` channels must be neither black nor white.
   void expect_parity(const Look& look, const std::string& term, size_t least = size_t{3} * point_count / 10) {
     const GlassHost::Picture drawn = draw(look), traced = trace(look);
     float most = 0;
@@ -262,7 +262,7 @@ class FixedFunction : public testing::Test {
     std::printf("  %-40s %.2f codes\n", term.c_str(), static_cast<double>(most));
   }
 
-  // A square over 16x16 pixels, and 16x16 texels: those that are drawn.
+  // Returns which of 16x16 texels OpenGL draws of a square over 16x16 pixels.
   std::set<int> drawn_by_alpha(const glm::vec2 (&corners)[4], const std::vector<uint8_t>& texels, float reference) const {
     gl.BindFramebuffer(GL_FRAMEBUFFER, host.framebuffer());
     gl.Viewport(0, 0, 16, 16);
@@ -286,7 +286,7 @@ class FixedFunction : public testing::Test {
       if (pixels[static_cast<size_t>(i)].x > 0) drawn.insert(i);
     return drawn;
   }
-  // The same square: those texels that a ray through their middle hits.
+  // Returns which texels of the same square are hit by a ray through their middle.
   std::set<int> hit_by_alpha(const glm::vec2 (&corners)[4], sideray_texture texture, float cutoff) {
     glm::vec3 positions[4];
     glm::vec2 uvs[4];
@@ -326,10 +326,10 @@ class FixedFunction : public testing::Test {
  private:
   gl::Renderbuffer depth_;
   gl::Texture texture_;
-  sideray_instance instance_ = host.pane();  // what the points took the place of
+  sideray_instance instance_ = host.pane();  // replaced by the points
 };
 
-// One term each.
+// Tests one term each.
 class FixedTerms : public FixedFunction {
  protected:
   FixedTerms() {
@@ -417,7 +417,7 @@ TEST_F(FixedTerms, TextureEnvironments) {
   }
 }
 
-// The same world with its z the other way, as left-handed engines have it: docs/fixed-function.md.
+// The same world with mirrored z, as in left-handed engines (docs/fixed-function.md).
 TEST_F(FixedFunction, LeftHandedWorldsLookTheSame) {
   Look look;
   for (const int kind : {0, 1, 2}) look.lights.push_back(random_light(kind));
@@ -473,10 +473,10 @@ TEST_F(FixedFunction, AllOfItTogether) {
   }
 }
 
-// A host that blends what is shown gives its glass a reflectance; the test looks at what light would have made of it.
+// Tests the reflectance for a host that blends displayed values, against blending in linear light.
 class GammaReflections : public FixedFunction {
  protected:
-  // What the pane adds to the picture, of an environment that is shown as `mirrored`.
+  // Returns what the pane adds to the picture, for an environment of the displayed value `mirrored`.
   float added(float reflectance, float mirrored) {
     for (float& c : material_.reflectance) c = reflectance;
     const std::vector<float> sky(3 * 2 * 2, std::pow(mirrored, 2.2f));
@@ -487,7 +487,7 @@ class GammaReflections : public FixedFunction {
     host.trace(host.inputs());
     return host.draw(program_, 330)[size_t{GlassHost::height / 2} * GlassHost::width + GlassHost::width / 2].x;
   }
-  // Root of the mean square of what the host shows less what light makes, over all brightnesses.
+  // Returns the root mean square error against blending in linear light, over all brightnesses.
   double error(float share, float reflectance) {
     double sum = 0;
     int count = 0;
@@ -521,7 +521,7 @@ TEST_F(GammaReflections, AreNearestWithTheTrueReflectance) {
   }
 }
 
-// The pane of a frame, before which an opaque wall stands between it and a light, or does not.
+// Tests a pane, with or without an opaque wall between it and a light.
 class FixedPane : public testing::Test {
  protected:
   static constexpr size_t middle = size_t{GlassHost::height / 2} * GlassHost::width + GlassHost::width / 2;
@@ -598,7 +598,7 @@ TEST_F(FixedPane, HasTwoSidesWhereTheModelSaysSo) {
   EXPECT_NEAR(shown()[middle].x, 0.25f, code / 2) << "its back looks away from the light";
 }
 
-// All that is faster than a ray for each pixel, shadow and mirror works as with the built-in model.
+// All shortcuts that save rays work as with the built-in model.
 TEST_F(FixedPane, HasTheFastWays) {
   put_wall();
   material_.reflectance[0] = 0.3f;
@@ -631,7 +631,7 @@ TEST_F(FixedPane, HasTheFastWays) {
   }
 }
 
-// A frame keeps what it was committed with: the caller's structs may go at once.
+// A commit copies the caller's structs, which may be freed at once.
 TEST_F(FixedPane, IsCopied) {
   const float before = shown()[middle].x;
   light_.diffuse[0] = 0, light_.ambient[0] = 0, material_.diffuse[0] = 0;
