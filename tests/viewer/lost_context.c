@@ -1,5 +1,5 @@
-/* A library that is loaded before all others and lets the window's OpenGL context be lost, which no driver in software does: once
- * the file that SIDERAY_LOSE_CONTEXT names is there, glGetGraphicsResetStatus() says that the context was reset. */
+/* A preloaded library that simulates a lost OpenGL context, which software drivers never have: once the file named by
+ * SIDERAY_LOSE_CONTEXT exists, glGetGraphicsResetStatus() reports a reset. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <stdlib.h>
@@ -22,7 +22,7 @@ static function find(const unsigned char* name) {
   return driver_function(name);
 }
 
-/* GLFW finds the driver's functions by way of this one. */
+/* GLFW finds the driver's functions through this one. */
 __attribute__((visibility("default"))) void* dlsym(void* handle, const char* name) {
   static find_symbol real;
   if (!real) *(void**)&real = dlvsym(RTLD_NEXT, "dlsym", "GLIBC_2.2.5");
