@@ -39,7 +39,7 @@ def packages_of(patterns):
     found = {}
     patterns = sorted(patterns)
     for first in range(0, len(patterns), 500):
-        # Files that no package holds are only an exit status.
+        # Files without a package only change the exit status.
         lines = subprocess.run(["dpkg-query", "-S", *patterns[first:first + 500]], stdout=subprocess.PIPE,
                                stderr=subprocess.DEVNULL, text=True).stdout.splitlines()
         for line in lines:

@@ -82,7 +82,7 @@ def factor(nodes, value, info, glb, images, linear):
 
 
 def schlick_of_air(nodes, ior):
-    """What a face reflects by glTF's term, at the angle in the air: 1 where light inside is reflected totally."""
+    """The reflectance of a face by glTF's term, at the angle in the air; 1 at total internal reflection."""
     geometry = nodes.make("ShaderNodeNewGeometry")
     cosine = nodes.math("ABSOLUTE", nodes.vector("DOT_PRODUCT", geometry.outputs["Incoming"], geometry.outputs["Normal"]))
     sine2 = nodes.math("MULTIPLY", nodes.math("SUBTRACT", 1.0, nodes.math("MULTIPLY", cosine, cosine)), ior * ior)
@@ -94,7 +94,7 @@ def schlick_of_air(nodes, ior):
 
 
 def build_glass(nodes, source, material, look):
-    """A body of glass by paths: Fresnel's term is that of the two indices or glTF's, and what is inside absorbs (Beer)."""
+    """A body of glass by paths: Fresnel's term of the two indices or glTF's; its inside absorbs (Beer)."""
     pbr, extensions = source.get("pbrMetallicRoughness", {}), source["extensions"]
     color = [*pbr.get("baseColorFactor", [1, 1, 1, 1])[:3], 1]
     if look.rasterized:  # EEVEE takes a body's tint from its surface
@@ -184,7 +184,7 @@ def build_material(source, glb, images, look):
     nodes.make("ShaderNodeOutputMaterial", {"Surface": shader})
     if look.rasterized and (mode == "BLEND" or transmission > 0):
         material.surface_render_method = "BLENDED"
-    # BLEND and transmissive surfaces cast no shadow where only direct light counts.
+    # With direct light alone, BLEND and transmissive surfaces cast no shadow.
     return material, not look.by_paths and (mode == "BLEND" or transmission > 0)
 
 

@@ -23,7 +23,7 @@ def radiance(path):
 
 
 def write_shown(path, linear):
-    """What a display shows: cut at white, the transfer function of sRGB."""
+    """Converts to display values: clamped at white, with the transfer function of sRGB."""
     v = numpy.clip(numpy.nan_to_num(linear), 0, 1)
     v = numpy.where(v <= 0.0031308, 12.92 * v, 1.055 * v ** (1 / 2.4) - 0.055)
     Image.fromarray((v * 255 + 0.5).astype("u1")).save(path)
@@ -98,7 +98,7 @@ class Board:
             path.write_text(json.dumps(record, indent=1) + "\n")
 
     def record(self, program):
-        """Runs a program: what it took, or the error that it ended with."""
+        """Runs a program; returns its times and memory, or its error."""
         picture = self.folder / (program.file + program.suffix)
         picture.unlink(missing_ok=True)
         try:
@@ -120,7 +120,7 @@ class Board:
                 "load": os.getloadavg()[0]}
 
     def measure_panes(self, programs):
-        """Stacks of panes: how many a program draws right, with a layer too few, or in another order."""
+        """Counts the stacks of panes that a program draws right, with a layer missing, or in another order."""
         stacks = write_panes(self.folder / "scene.glb", self.job.width, self.job.height)
         for name in ("flat", "dimmed"):
             (self.folder / f"{name}.glb").write_bytes((self.folder / "scene.glb").read_bytes())

@@ -11,7 +11,7 @@ STYLES = {  # family: (colour, marker)
 
 
 def kind(program):
-    """What is joined by a line: programs that differ by their samples or presets alone."""
+    """Returns the points joined by a line: programs that differ only in samples or presets."""
     if program["family"] == "Sideray":
         name = program["program"]
         return "paths" if name.startswith("paths") else "none" if "--gl none" in name else "gl"
@@ -26,7 +26,7 @@ def label(program):
 
 
 def front(points):
-    """Those that no other point is both faster and nearer than."""
+    """Returns the points that no other point beats in both time and error."""
     kept, best = [], math.inf
     for p in sorted(points, key=lambda p: (p["ms"], p["flip"])):
         if p["flip"] < best:

@@ -149,7 +149,7 @@ def flicker(pictures, truths):
 
 
 def has_drawn(program, folder):
-    """Whether it has a result in a scene's folder: it can draw the scene, and in time."""
+    """Returns whether the program has a result in a scene's folder, so that it can draw the scene in time."""
     path = folder / f"{program.file}.json"
     return path.is_file() and "flip" in json.loads(path.read_text())
 

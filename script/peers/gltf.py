@@ -126,7 +126,7 @@ class Material:
         return [-math.log(max(c, 1e-6)) / self.attenuation_distance for c in self.attenuation]
 
     def opacity(self, transmissive=0.25):
-        """For rasterizers that know alpha alone: the share of what is behind that the surface covers."""
+        """For rasterizers with alpha alone: the share of the background that the surface covers."""
         alpha = self.alpha if self.mode == "BLEND" else 1
         return alpha * (1 - self.transmission * (1 - transmissive))
 
@@ -177,7 +177,7 @@ def read_hdr(path):
 
 
 def constant_sky(path):
-    """For programs that know no sky: (its mean over all directions, which lights; its median, which is seen)."""
+    """For programs without skies: (the sky's mean over all directions, for light; its median, to be seen)."""
     pixels = read_hdr(path)
     weights = numpy.cos((0.5 - (numpy.arange(len(pixels)) + 0.5) / len(pixels)) * math.pi)
     return (pixels.mean(axis=1) * weights[:, None]).sum(axis=0) / weights.sum(), numpy.median(pixels, axis=(0, 1))

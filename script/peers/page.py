@@ -29,7 +29,7 @@ def collect(folder, settings, programs):
 
 
 def milliseconds(record, cores):
-    """Of a frame: processor time over the cores, which is what a quiet machine would take at best."""
+    """A frame's processor time divided by the cores, the least time on an idle machine."""
     return record["processor_ms"] / cores
 
 
@@ -68,7 +68,7 @@ def table(head, rows):
 
 
 def mean_text(row):
-    """The mean error; where not all scenes were drawn, of how many."""
+    """The mean error, and the number of scenes where not all were drawn."""
     drawn = [flip for flip in row["flips"] if flip is not None]
     return f"{sum(drawn) / len(drawn):.3f}" + (f" ({len(drawn)})" if len(drawn) < len(row["flips"]) else "")
 
@@ -107,7 +107,7 @@ def panes_table(panes):
 
 
 def dolly_table(dolly):
-    """A row a program: in each scene by how much the error changes from frame to frame, times 10^4."""
+    """A row for each program: the change of the error between frames in each scene, times 10^4."""
     measured_ = {scene: {r["program"]: r for r in records if "flicker" in r} for scene, records in dolly.items()}
     programs = {name: record for records in measured_.values() for name, record in records.items()}
     energy = {name: [of[name]["flicker_of_error"] if name in of else None for of in measured_.values()] for name in programs}

@@ -87,7 +87,7 @@ def run(command, limit_s, environment=None):
 
 
 def end(process):
-    """Ends a process group: asks first, so that a browser which has a group of its own is ended by who started it."""
+    """Ends a process group, by a request first: a browser has its own group, which its parent must end."""
     with contextlib.suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGTERM)
         with contextlib.suppress(subprocess.TimeoutExpired):

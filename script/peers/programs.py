@@ -35,7 +35,7 @@ class Job:
 
 @dataclasses.dataclass
 class Result:
-    """Of one process: what it took as a whole, and each frame after the first, wall and processor time in ms."""
+    """Times of one process in ms: of the whole, and of each frame after the first, wall and processor time."""
 
     run: object
     version: str
@@ -45,7 +45,7 @@ class Result:
 
 
 class Program:
-    """One point of the chart. `install` is what installs it, `lacks` what it cannot draw."""
+    """One point of the chart. `install` is the command that installs it, `lacks` lists what it cannot draw."""
 
     family = install = lacks = ""
     suffix = ".png"
@@ -211,7 +211,7 @@ LOOK = ["--translucency", "raster", "--shadows", "map", "--ambient", "off", "--r
 
 
 def programs(sideray, folder):
-    """All points of the chart, whether they are there or not."""
+    """All points of the chart, installed or not."""
     pythons = [str(folder / "bin" / "python3"), sys.executable]
     ours = [("raster look", LOOK), ("draft", ["--quality", "draft"]), ("balanced", []), ("best", ["--quality", "best"]),
             ("best, 4 samples", ["--quality", "best", "--samples", "4"])]

@@ -9,7 +9,7 @@ from gltf import Glb, read_hdr, write_hdr
 from processes import Failure
 
 MOST_OF_DIMMED_LAMPS = 2  # candela
-# What not every program of the comparison can be told; without it all are asked for the same picture.
+# Extensions that not all programs support; without them all draw the same picture.
 LEFT_OUT = ("clearcoat", "sheen", "diffuse_transmission", "dispersion", "iridescence", "anisotropy")
 
 
@@ -111,14 +111,14 @@ def simplify(gltf):
     for material in gltf.get("materials", []):
         for name in names & set(material.get("extensions", {})):
             del material["extensions"][name]
-        # A lamp in a bulb that bends light lights a room by caustics alone, which no path tracer finds.
+        # A lamp inside a refracting bulb lights by caustics alone, which no path tracer finds.
         if any(material.get("emissiveFactor", [])) and "KHR_materials_transmission" in material.get("extensions", {}):
             material["extensions"].pop("KHR_materials_volume", None)
     gltf["extensionsUsed"] = [name for name in gltf.get("extensionsUsed", []) if name not in names]
 
 
 def set_thickness(gltf, thickness):
-    """Of bodies whose file says far too much, with which rasterizers draw them black."""
+    """Corrects the thickness of bodies whose file gives far too much, so that rasterizers draw them black."""
     for material in gltf.get("materials", []):
         if material.get("name") in thickness:
             material["extensions"]["KHR_materials_volume"]["thicknessFactor"] = thickness[material["name"]]

@@ -110,7 +110,7 @@ def set_up(options, width, height):
 
 
 def frame(window, renderer, shift):
-    """A frame with the camera moved sideways, so that nothing of the last frame can be shown again."""
+    """Draws a frame with the camera moved sideways, so that the last frame cannot be reused."""
     renderer.GetActiveCamera().SetWindowCenter(shift, 0)
     window.Render()
     window.WaitForCompletion()

@@ -190,7 +190,7 @@ def limit_of(bounds):
 
 
 def verdicts(key, groups):
-    """How a variant fails in each column; said once where columns agree. Empty where it holds wherever it was run."""
+    """Returns how a variant fails in each column, once where columns agree; empty where it fails nowhere."""
     columns = {}
     for names, table in groups:
         if key in table:
@@ -274,7 +274,7 @@ def counts_of(text):
 
 
 def alone_lines(program, results, full, text):
-    """What rays alone do otherwise than the page's counts say."""
+    """Returns how rays alone differ from the page's counts."""
     environment = {"SIDERAY_GL": "none"}
     rows, ended = measure(program, results / ALONE, environment, full, [])
     listed = subprocess.run([program, "stress", "--list"], capture_output=True, text=True, check=True).stdout

@@ -1,9 +1,9 @@
-// What the service costs a host whose drawing thread has a processor of its own: the host's frame without it, with it
-// one frame late, and the time that each call takes, under both state policies; for a host that waits for its GPU and
-// for one that keeps it waiting. Glass covers a ninth of the picture.
+// Measures what the service costs a host whose drawing thread has its own processor: the host's frame without it, and
+// with it one frame late, and the time of each call, under both state policies; for a GPU-bound and for a CPU-bound
+// host. Glass covers a ninth of the picture.
 //   bench_overlap [WIDTH HEIGHT [FRAMES]]
-// The bound: a frame grows by no more than the readback and the upload, each alone and waited for, and 10 %. Again with
-// __GL_THREADED_OPTIMIZATIONS=1 in the environment for a driver (NVIDIA's) that works in a thread of its own.
+// The bound: a frame grows by at most the times of a readback and an upload that are waited for alone, plus 10 %. Run
+// it again with __GL_THREADED_OPTIMIZATIONS=1 in the environment for a driver (NVIDIA's) that works in its own thread.
 #include <sched.h>
 
 #include <algorithm>
@@ -51,7 +51,7 @@ void timed(Times& times, const Body& body) {
   times.ms.push_back(ms_since(start));
 }
 
-// A wall behind a pane of glass that covers the picture, and small plates that the glass mirrors.
+// Makes a wall behind a pane of glass that covers the picture, and small plates that the glass reflects.
 Scene make_scene() {
   Scene scene = Scene::create().value();
   constexpr float positions[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
@@ -90,7 +90,7 @@ enum class Mode { off, saved, left };
 constexpr const char* names[] = {"off", "late, state saved and restored", "late, the host restores"};
 
 struct Result {
-  Times frame, submit, advance, uploading, bind;  // uploading: the calls of advance that brought answers
+  Times frame, submit, advance, uploading, bind;  // uploading: calls of advance() that brought answers
   size_t frames = 0;
 };
 
@@ -119,7 +119,7 @@ class Host {
     if (waits_for_gpu) calibrate();
   }
 
-  // Readback and upload of a frame that nothing else holds up, waited for: medians.
+  // Returns the median times of readback and upload of a frame that is waited for alone.
   std::pair<double, double> alone() {
     Times readback, upload;
     for (int i = 0; i < 12; ++i) {
@@ -152,7 +152,7 @@ class Host {
   const std::string& renderer() const { return gl_.renderer; }
 
  private:
-  // One frame late: what the last one asked for, where it is there, and this one's, where less than two are in flight.
+  // Submits this frame if fewer than two are in flight, and takes the answers of an earlier one if they are there.
   void serve(Result& result) {
     if (in_flight_ < 2) {
       timed(result.submit, [&] { service_.submit(in_); });
@@ -171,7 +171,7 @@ class Host {
     return true;
   }
 
-  // As engines do: all state that a pass needs is set.
+  // Draws as engines do: each pass sets all state that it needs.
   void draw() {
     gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
     gl_.Viewport(0, 0, width_, height_);
@@ -209,7 +209,7 @@ class Host {
     if (last_) last_.wait(1'000'000'000);
     last_ = std::move(fence);
   }
-  // The picture's draw takes about 4 ms.
+  // Chooses the number of loops with which drawing the picture takes about 4 ms.
   void calibrate() {
     for (loops_ = 8; loops_ < (1 << 20); loops_ *= 2) {
       Times times;
@@ -254,7 +254,7 @@ class Host {
   Service service_ =
       Service::create(tracer_, {sizeof(sideray_host_gl), gl::Context::get_proc_address, context_.get()}).value();
 
-  // All processors but one.
+  // Makes a tracer that uses all processors but one.
   static Tracer make_tracer(const Scene& scene) {
     cpu_set_t set{};
     sched_getaffinity(0, sizeof(set), &set);

@@ -1,8 +1,8 @@
-// What the scene of instances costs a frame before its tree is built, without the commit (commit_ms) that every way
-// pays. In a scene that stays, set_up_shared/all tells Embree of every instance's new place, set_up_shared/hundredth
-// finds that a hundredth of them moved; set_up_independent makes each instance's record and Embree geometry and
-// releases them again. cull: the angle of every instance. pose/t/k/r: k poses of a plant of t triangles, their trees
-// refit (0) or rebuilt (1); posing_ms is the part before Embree.
+// Measures the set-up of a scene of instances in each frame before its tree is built, without the commit (commit_ms)
+// that all ways share. In a scene that is kept, set_up_shared/all gives Embree a new transform of every instance, and
+// set_up_shared/hundredth finds the hundredth of them that moved. set_up_independent makes and releases each instance's
+// record and Embree geometry. cull computes the angle of every instance. pose/t/k/r makes k poses of a plant of t
+// triangles, whose trees are refit (0) or rebuilt (1); posing_ms is the part before Embree.
 #include <benchmark/benchmark.h>
 
 #include <chrono>
@@ -34,7 +34,7 @@ std::shared_ptr<const model::Mesh> plant(std::mt19937& random, uint32_t triangle
   return mesh;
 }
 
-// Ten kinds of plants on a plain, about two units apart.
+// Holds ten kinds of plants on a plain, about two units apart.
 struct Field {
   DeviceHandle device = open_device("");
   model::Snapshot snapshot;

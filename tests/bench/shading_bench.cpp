@@ -1,5 +1,5 @@
-// What shading a hit costs, without rays: from the hit to its surface (with and without textures), the lights, and what
-// comes from around (emission, environment). Items are hits; scalar/* is the same shading model on single numbers.
+// Measures shading of hits without rays: from the hit to its surface (with and without textures), the lights, emission
+// and environment. Items are hits; scalar/* is the same shading model on single numbers.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 namespace sideray::rt {
 namespace {
 
-constexpr size_t hit_count = 512;  // as many as the tracer shades at once
+constexpr size_t hit_count = 512;  // as in the tracer
 constexpr uint32_t texture_size = 1024;
 
 sideray_material_desc material() {
@@ -53,7 +53,7 @@ void make_fixed(model::Scene& scene, uint32_t material, const std::vector<sidera
   scene.set_fixed_material(material, &m);
 }
 
-// Hits all over a grid of small triangles, from an eye above it. Lobes: coat and sheen.
+// Makes hits all over a grid of small triangles, seen from above. `lobes` adds coat and sheen.
 Setup make_setup(int textures, int lights, bool lobes, bool fixed = false) {
   model::Scene scene;
   std::mt19937 random(1);
@@ -112,7 +112,7 @@ Setup make_setup(int textures, int lights, bool lobes, bool fixed = false) {
   Setup s{scene.snapshot(), {}, {}};
   const glm::vec3 eye(0, 0, 4);
   for (size_t i = 0; i < hit_count; ++i) {
-    // Neighbouring pixels: a row of triangles.
+    // Hits a row of triangles, as neighbouring pixels do.
     Hit h{};
     h.primitive = static_cast<uint32_t>(i * 7 % (2 * cells * cells)), h.front = true;
     h.u = 0.3f, h.v = 0.3f;
@@ -137,7 +137,7 @@ void count_hits(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(hit_count));
 }
 
-// From hits to surfaces; the argument: how many textures.
+// Measures the step from hits to surfaces; the argument is the number of textures.
 void surface(benchmark::State& state) {
   const Setup s = make_setup(static_cast<int>(state.range(0)), 1, false);
   const ShadingScene scene(s.snapshot);
@@ -145,7 +145,7 @@ void surface(benchmark::State& state) {
   count_hits(state);
 }
 
-// The same in lanes.
+// Measures the same in SIMD lanes.
 void surfaces(benchmark::State& state, const char* isa) {
   const Setup s = make_setup(static_cast<int>(state.range(0)), 1, false);
   const ShadingScene scene(s.snapshot);
@@ -160,7 +160,7 @@ void surfaces(benchmark::State& state, const char* isa) {
   count_hits(state);
 }
 
-// The argument: how many lights.
+// The argument is the number of lights.
 void scalar(benchmark::State& state, bool lobes) {
   const Setup s = make_setup(0, static_cast<int>(state.range(0)), lobes);
   const ShadingScene scene(s.snapshot);
@@ -217,7 +217,7 @@ void batched(benchmark::State& state, const char* isa, bool lobes) {
   count_hits(state);
 }
 
-// From hits to what they show, but for rays: by the built-in model, or by the fixed function.
+// Measures the shading of hits without rays, by the built-in model or by the fixed function.
 void whole(benchmark::State& state, bool fixed) {
   const Setup s = make_setup(1, static_cast<int>(state.range(0)), false, fixed);
   const ShadingScene scene(s.snapshot);
@@ -236,7 +236,7 @@ void whole(benchmark::State& state, bool fixed) {
   count_hits(state);
 }
 
-// Lights alone: what is left of the above without the environment.
+// Measures lights alone, without the environment.
 void lights_scalar(benchmark::State& state) {
   const Setup s = make_setup(0, static_cast<int>(state.range(0)), false);
   const ShadingScene scene(s.snapshot);

@@ -1,7 +1,7 @@
-// The ways to step along a ray: the first K layers of 16 stacked panes and of the bistro's first view at 640x360 by
-// multihit; by retrace, a traversal for each new layer as the tracer makes it, the same surfaces; and by raw_retrace,
-// bare packets of Embree that start at the float behind the last hit, without filter and recomputation, which lose
-// coplanar surfaces: what retracing could cost at best. Items are rays. For ratios:
+// Compares steppers along a ray, for the first K layers of 16 stacked panes and of the bistro's first view at 640x360.
+// multihit finds several layers in a traversal. retrace finds the same surfaces with a traversal for each layer, as the
+// tracer does. raw_retrace is its lower bound: plain packets of Embree that start at the float behind the last hit,
+// without filter and recomputation, so that they lose coplanar surfaces. Items are rays. For ratios:
 //   bench_steps --benchmark_enable_random_interleaving=true --benchmark_repetitions=9
 //               --benchmark_report_aggregates_only=true
 #include <benchmark/benchmark.h>
@@ -22,7 +22,7 @@ namespace sideray::rt {
 namespace {
 
 constexpr uint32_t width = 640, height = 360;
-constexpr size_t chunk_rays = 1024;  // as the tracer works
+constexpr size_t chunk_rays = 1024;  // as in the tracer
 
 TraceView first_view(const scenes::Content& content) {
   const sideray_camera& camera = content.cameras.front().camera;
@@ -30,7 +30,7 @@ TraceView first_view(const scenes::Content& content) {
   for (int c = 0; c < 4; ++c)
     for (int r = 0; r < 3; ++r) world_from_camera[c][r] = camera.world_from_camera[3 * c + r];
   TraceView view;
-  // Reversed depth in 0..1: near and far change places.
+  // Depth is reversed, in 0..1, so near and far are exchanged.
   view.clip_from_local =
       glm::perspectiveRH_ZO(double{camera.yfov}, double{width} / height, 1000.0, double{camera.z_near}) *
       glm::inverse(world_from_camera);
@@ -98,7 +98,7 @@ void multihit(benchmark::State& state, const Place& (*at)()) {
   report(state, place, found);
 }
 
-// LayerTracer's rounds without its bookkeeping of events.
+// Retraces in rounds as LayerTracer does, without its bookkeeping of events.
 class Retracer {
  public:
   uint64_t trace(const Place& place, std::span<const Ray> rays, uint32_t layers) {

@@ -1,8 +1,8 @@
-// The whole trace stage beside the traversal inside it: the bistro's first view at 1280x720, every pixel asked, one to
-// eight layers. Items are primary rays of pixels; trace/k over traversal/k is the factor that shading costs.
-// The split: surfaces/k interpolates and reads textures at the layers found, lanes/k is the arithmetic of their light,
-// shade/k both with reflections but without shadow rays, shade_shadowed/k with everything: the rest of trace/k is
-// primary rays, order and output. raw_frames: the time in those of docs/cli.md, measured beside it.
+// Measures the whole trace stage and the traversal inside it: the bistro's first view at 1280x720, all pixels traced,
+// one to eight layers. Items are primary rays; trace/k divided by traversal/k is the factor of shading. Parts:
+// surfaces/k interpolates and reads textures at the layers, lanes/k computes their light, shade/k does both with
+// reflections but without shadow rays, shade_shadowed/k does everything. The rest of trace/k is primary rays, sorting
+// and output. raw_frames is the time in raw frames (docs/cli.md), which are measured too.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -43,7 +43,7 @@ const Setup& setup() {
     glm::dmat4 world_from_camera(1.0);
     for (int c = 0; c < 4; ++c)
       for (int r = 0; r < 3; ++r) world_from_camera[c][r] = camera.world_from_camera[3 * c + r];
-    // Reversed depth in 0..1: near and far change places.
+    // Depth is reversed, in 0..1, so near and far are exchanged.
     const glm::dmat4 clip_from_camera =
         glm::perspectiveRH_ZO(double{camera.yfov}, double{width} / height, 1000.0, double{camera.z_near});
     s.view.clip_from_local = clip_from_camera * glm::inverse(world_from_camera);
@@ -97,7 +97,7 @@ void trace(benchmark::State& state) {
   state.counters["layers"] = static_cast<double>(counters.layers_found);
 }
 
-constexpr size_t batch = 512;  // as many hits as the tracer shades at once
+constexpr size_t batch = 512;  // hits, as in the tracer
 
 struct Layers {
   std::vector<rt::Hit> hits;
@@ -118,7 +118,7 @@ Layers found_layers(const rt::Intersector& intersector, uint32_t layers) {
   return found;
 }
 
-// Calls with every batch of surfaces.
+// Calls `use` with every batch of surfaces.
 template <typename Use>
 void each_batch(const rt::ShadingScene& scene, const Layers& layers, const Use& use) {
   const rt::Cone cone = rt::ViewRays(setup().view, width, height).cone(width / 2, height / 2);

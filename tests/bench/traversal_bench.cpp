@@ -1,5 +1,5 @@
-// What the layer search costs over plain packets of Embree through the same scene: 640x360 primary rays in 4x4 tiles
-// onto a few hundred instanced spheres and panes of glass. Items are rays; compare items_per_second with raw/*.
+// Compares the layer search with plain packets of Embree through the same scene: 640x360 primary rays in 4x4 tiles onto
+// a few hundred instanced spheres and panes of glass. Items are rays; compare items_per_second with raw/*.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -85,7 +85,7 @@ std::shared_ptr<const model::Snapshot> glass_scene(bool double_sided) {
   return scene.snapshot();
 }
 
-// In chunks of 32x32 pixels, as the tracer works, each in 4x4 order; what falls outside the picture is traced too.
+// Chunks of 32x32 pixels in 4x4 order, as in the tracer; pixels outside the picture are traced too.
 constexpr int chunk_size = 32, chunk_rays = chunk_size * chunk_size;
 
 std::vector<Ray> primary_rays() {

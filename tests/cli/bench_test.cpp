@@ -11,7 +11,7 @@ class Bench : public Program {
     Program::SetUp();
     if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   }
-  // What is printed.
+  // Returns the printed text.
   std::string bench(const std::string& arguments) {
     const Outcome outcome = run("bench " + arguments);
     EXPECT_EQ(outcome.exit_code, 0) << arguments << "\n" << outcome.errors;

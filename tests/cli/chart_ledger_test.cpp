@@ -42,8 +42,7 @@ std::set<std::string> names(const json& list) {
   return result;
 }
 
-// Of a reference that follows light further, what no method computes is a part of its own, and the others are what they
-// were.
+// With a reference of more bounces the light that no method computes is a separate term, and the others are unchanged.
 TEST_F(ChartLedger, LightThatNoMethodComputesIsToldApart) {
   const json plain = ledger("solids --translucency raster --shadows map --denoise off"),
              l = ledger("solids --translucency raster --shadows map --denoise off --bounces 3");
@@ -59,7 +58,7 @@ TEST_F(ChartLedger, LightThatNoMethodComputesIsToldApart) {
   EXPECT_NEAR(shares, 1.0, 1e-9);
   for (const char* name : {"samples", "opaque", "visibility"})
     EXPECT_NEAR(term(l, name)["mean"].get<double>(), term(plain, name)["mean"].get<double>(), 1e-9) << name;
-  // The last step begins where the others end: at the reference of one bounce, which is the plain chart's.
+  // The last step begins where the others end: at the reference of one bounce, as in the plain chart.
   const Outcome same = run("render solids --reference --size 32x18 --light-samples 8 -o one.exr");
   EXPECT_EQ(same.exit_code, 0);
   const Outcome apart = run("compare one.exr d/" + bounces["image"].get<std::string>() + " --json");
@@ -78,7 +77,7 @@ TEST_F(ChartLedger, PartsAddUpAndAreTheRowsError) {
   }
   EXPECT_NEAR(shares, 1.0, 1e-9);
   EXPECT_NEAR(relmse, l["total"]["relmse"].get<double>(), 1e-9 * relmse);
-  // The picture is that of the row, and its error too.
+  // The ledger's picture and error are those of the row.
   const json row = json::parse(text_of(path("d/results.json")))["rows"][0];
   EXPECT_EQ(l["error"], row["error"]);
   EXPECT_NEAR(relmse, row["error"]["relmse"].get<double>(), 1e-9 * relmse);
@@ -103,7 +102,7 @@ TEST_F(ChartLedger, PartsAddUpAndAreTheRowsError) {
   }
 }
 
-// Of eight panes one has a layer. Of what is named, nothing else has an effect there to speak of.
+// One of eight panes has a layer. No other term has a considerable effect there.
 TEST_F(ChartLedger, DroppedLayersDominateWherePanesHaveOne) {
   const json l = ledger("'panes?count=8' --layers 1");
   const double dropped = term(l, "layers")["share"].get<double>();
@@ -114,7 +113,7 @@ TEST_F(ChartLedger, DroppedLayersDominateWherePanesHaveOne) {
   }
   EXPECT_LT(term(l, "layers")["error"]["relmse"], l["error"]["relmse"]);
   EXPECT_NE(printed_.find("interaction"), std::string::npos) << printed_;
-  // Nothing is dropped from eight panes by eight layers.
+  // Eight layers drop none of eight panes.
   const json whole = ledger("'panes?count=8' --layers 8");
   EXPECT_FALSE(names(whole["terms"]).contains("layers"));
   EXPECT_TRUE(names(whole["absent"]).contains("layers"));
@@ -136,7 +135,7 @@ TEST_F(ChartLedger, EveryShortcutThatWasAskedForIsNamed) {
   EXPECT_FALSE(names(l["terms"]).contains("denoise"));
 }
 
-// How layers are made cannot matter where no object has one.
+// Options of layers do not matter where no object has one.
 TEST_F(ChartLedger, WithoutLayersThereAreNoneToSwitch) {
   const json l = ledger("panes --ray-traced none --cache-rate quarter");
   EXPECT_TRUE(names(l["terms"]).contains("raster"));
@@ -151,7 +150,7 @@ TEST_F(ChartLedger, AnOpaqueSceneHasNoLayersToLose) {
   for (const char* name : {"opaque", "visibility"}) EXPECT_TRUE(names(l["terms"]).contains(name)) << name;
 }
 
-// The reference has the light that was asked for: without shadows none are missed.
+// The reference has the requested light: if shadows are off, it has none either.
 TEST_F(ChartLedger, TheReferenceHasTheSameLight) {
   const json l = ledger("empty --shadows off");
   EXPECT_EQ(l["reference"]["image"], "images/ledger-reference.exr");

@@ -58,7 +58,7 @@ TEST_F(Chart, ResultsFollowTheSchema) {
   EXPECT_EQ(lines_of(text_of(path("d/results.csv"))), 4u);
 }
 
-// What chart says of a row is what render and compare say of it, also after another selection of objects.
+// A row of a chart has the values of render and compare, also after another selection of objects.
 TEST_F(Chart, RowsAreWhatRenderDraws) {
   write("s.json", R"([{"layers": 2, "ray-traced": "none"}, {"layers": 2}, {"translucency": "raytraced"}])");
   chart("panes -o d --sweep s.json");
@@ -88,12 +88,12 @@ TEST_F(Chart, TheDefaultListFitsTheScene) {
   EXPECT_NE(opaque.output.find("no translucent object"), std::string::npos) << opaque.output;
 }
 
-// No two rows of a list that is built in are drawn alike, and what the scene lacks is left out with its reason.
+// No two rows of a built-in list draw the same, and options that the scene has no use for are left out with a reason.
 TEST_F(Chart, BuiltInListsHaveNoDoubles) {
   const Outcome outcome = chart("panes -o d --sweep all --shard 0/100");
   EXPECT_NE(outcome.output.find("left out: shadows: one pose"), std::string::npos) << outcome.output;
   EXPECT_NE(outcome.output.find("than a ray can hit, 4"), std::string::npos) << outcome.output;
-  // Options of the whole chart leave fewer to choose between.
+  // Options of the whole chart leave fewer rows.
   chart("empty -o e --sweep shadows");
   const json rows = results("e")["rows"];
   std::set<std::string> configs;
@@ -112,7 +112,7 @@ TEST_F(Chart, ResumeKeepsWhatIsMeasured) {
   chart("panes -o d --sweep s.json --resume");
   EXPECT_EQ(results("d"), first);
   EXPECT_TRUE(fs::exists(path("d/index.html")));
-  // A row that is lost or cut is measured again, the others are not.
+  // Only missing or truncated rows are measured again.
   fs::remove(path("d/rows/0000.json"));
   fs::resize_file(path("d/rows/0002.json"), 100);
   chart("panes -o d --sweep s.json --resume");
@@ -123,13 +123,13 @@ TEST_F(Chart, ResumeKeepsWhatIsMeasured) {
     EXPECT_EQ(second["rows"][i]["error"], first["rows"][i]["error"]);
     EXPECT_NE(second["rows"][i]["stages_ms"], first["rows"][i]["stages_ms"]);
   }
-  // So is one whose picture is cut.
+  // A row whose picture is truncated is measured again too.
   fs::resize_file(path("d/images/0001.exr"), fs::file_size(path("d/images/0001.exr")) / 2);
   chart("panes -o d --sweep s.json --resume");
   EXPECT_EQ(results("d")["rows"][1]["error"], first["rows"][1]["error"]);
   EXPECT_NE(results("d")["rows"][1]["stages_ms"], first["rows"][1]["stages_ms"]);
   EXPECT_EQ(run("compare d/images/0001.exr d/images/reference.exr").exit_code, 0);
-  // More rounds are added to those there are; another configuration is another row.
+  // New rounds are added to existing ones; another configuration makes another row.
   write("s.json", R"([{"translucency": "off"}, {"layers": 1}, {"layers": 2}])");
   run("chart panes -o d --sweep s.json --resume --size 32x18 --light-samples 4 --repeat 3");
   const json third = results("d");
@@ -137,7 +137,7 @@ TEST_F(Chart, ResumeKeepsWhatIsMeasured) {
   EXPECT_NE(third["rows"][1]["config"]["ray-traced"], "none");
 }
 
-// An exact row has noise of its own: random numbers of the reference's would make it score 0.
+// An exact row has its own noise: with the reference's random numbers its error would be 0.
 TEST_F(Chart, AnExactRowIsNotTheReference) {
   write("s.json", R"([{"reference": true}, {"reference": true, "seed": 1}])");
   chart("panes -o d --sweep s.json --seed 1");
@@ -146,7 +146,7 @@ TEST_F(Chart, AnExactRowIsNotTheReference) {
   EXPECT_EQ(rows[1]["error"]["relmse"], 0.0);
 }
 
-// What light does is asked of the reference too, where it is asked of the whole chart.
+// Options of light transport for the whole chart apply to the reference too.
 TEST_F(Chart, TheReferenceReflectsWhereTheChartDoes) {
   write("s.json", R"([{"translucency": "off"}])");
   const std::string scene = "'forest?count=20' --camera pond --sweep s.json";
@@ -156,7 +156,7 @@ TEST_F(Chart, TheReferenceReflectsWhereTheChartDoes) {
   EXPECT_GT(json::parse(compared.output)["relmse"], 1e-4) << compared.output;
 }
 
-// What is chosen to come nearer to light that bounces would be an error against a reference without it.
+// `auto` approximations of bounced light would be errors against a reference of one bounce, so they are off.
 TEST_F(Chart, AutoIsOffAgainstTheLightOfOneBounce) {
   write("s.json", R"([{"translucency": "off"}, {"translucency": "off", "ambient": "ao"}, {"ambient": "auto", "reflections": "on"}])");
   const auto used = [&](const std::string& options) {
@@ -195,7 +195,7 @@ TEST_F(Chart, ShardsComeTogether) {
 
 class ChartFrames : public Chart {
  protected:
-  // The wind of the forest's edge; what is measured needs a picture that moves.
+  // Wind moves the forest: measures over time need motion.
   const std::string moving = "'forest?count=12' -o d --sweep s.json --frames 2-4 --samples 2";
   const std::string few = R"([{"shadows": "off", "taa": "off"}, {"shadows": "off"}])";
 };
@@ -234,7 +234,7 @@ TEST_F(ChartFrames, WhatShowsInTimeHasKeysOfItsOwn) {
       EXPECT_TRUE(row["error"][name].is_number()) << name;
     EXPECT_EQ(row["repeats"], 2);
   }
-  // Without anti-aliasing in time and without masks a frame knows nothing of those before.
+  // Without temporal anti-aliasing and masks a frame has no history.
   EXPECT_EQ(rows[0]["error"]["ghost"], 0);
   EXPECT_EQ(rows[0]["error"]["settle_time"], 0);
   EXPECT_GT(rows[1]["error"]["ghost"], 1.0 / 255);
@@ -264,7 +264,7 @@ TEST_F(ChartFrames, ResumeKeepsFramesAndShardsComeTogether) {
   EXPECT_EQ(results("d"), whole);
 }
 
-// What stands between two marks.
+// Returns the text between two marks.
 std::string between(const std::string& text, const std::string& open, const std::string& close) {
   const size_t at = text.find(open);
   if (at == std::string::npos) return "";
@@ -282,7 +282,7 @@ TEST_F(Chart, ThePageHoldsEverything) {
   write("s.json", R"([{"translucency": "off"}, {"layers": 2, "ray-traced": "*"}])");
   chart("panes -o 'a folder' --sweep s.json");
   const std::string page = text_of(path("a folder/index.html"));
-  // Nothing is fetched: the addresses are those in the notice of the library.
+  // The page fetches nothing: its only addresses are those in the library's notice.
   EXPECT_EQ(count_of(page, "http"),
             count_of(page, "https://www.chartjs.org") + count_of(page, "https://github.com/kurkle/"));
   EXPECT_EQ(count_of(page, "<script"), count_of(page, "</script>"));
@@ -299,7 +299,7 @@ TEST_F(Chart, ThePageHoldsEverything) {
     EXPECT_TRUE(point["map"].get<std::string>().starts_with("data:image/png;base64,"));
     EXPECT_NE(point["picture"], data["reference"]);
   }
-  // The command of a row draws the row.
+  // The command of a row draws the row's picture.
   const std::string command = data["points"][1]["command"];
   const std::string drawn = text_of(path("a folder/images/0001.exr"));
   fs::remove(path("a folder/images/0001.exr"));

@@ -1,5 +1,5 @@
-// Runs that many tasks share: what schedulers tell them, what the first of them records, what is refused, and what is
-// gathered. A scheduler is its variables here; tests/cluster has a real one.
+// Tests runs that many tasks share: the variables of schedulers, the record of the first task, refusals, and gathering.
+// Here a scheduler is just its environment variables; tests/cluster has a real one.
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <chrono>
@@ -20,7 +20,7 @@ std::string slurm(int id, int count) {
          " SLURM_ARRAY_TASK_MAX=" + std::to_string(count - 1) + " SLURM_ARRAY_TASK_COUNT=" + std::to_string(count);
 }
 
-// Nothing of it depends on the frame before.
+// No frame depends on the previous one.
 const std::string scene = "smoke --size 48x27 --frames 2-9 --fps 4 --taa off --denoise off";
 const std::string sequence = "render " + scene + " -o d/f.#.exr --shard auto";
 
@@ -60,7 +60,7 @@ class Cluster : public Program {
     content.merge_patch(change);
     std::ofstream(path(name)) << content;
   }
-  // Runs tasks at once; the exit code of each.
+  // Runs tasks at the same time, and returns their exit codes.
   std::vector<int> run_at_once(const std::vector<std::string>& environments, const std::string& arguments) {
     std::string command = "cd '" + folder_.string() + "' && rm -f code.*; ";
     for (size_t i = 0; i < environments.size(); ++i)
@@ -97,7 +97,7 @@ TEST_F(Cluster, VariablesThatAreMissingOddOrContradictingAreRefused) {
   refused(array + "1", "auto", "SLURM_ARRAY_TASK_ID is 1");
   refused(array + "4", "auto", "SLURM_ARRAY_TASK_ID is 4");
   refused(array + "8", "auto", "SLURM_ARRAY_TASK_ID is 8");
-  // --array=2,5,6: only the largest number tells that these are not 2, 3, 4.
+  // --array=2,5,6: only the largest number shows that these are not 2, 3, 4.
   refused(
       "SLURM_ARRAY_TASK_MIN=2 SLURM_ARRAY_TASK_STEP=1 SLURM_ARRAY_TASK_COUNT=3 SLURM_ARRAY_TASK_MAX=6 "
       "SLURM_ARRAY_TASK_ID=2",
@@ -121,7 +121,7 @@ TEST_F(Cluster, VariablesThatAreMissingOddOrContradictingAreRefused) {
   EXPECT_FALSE(fs::exists(path("d")));
 }
 
-// Which block a task draws, of twelve frames.
+// Each scheduler's variables give the task's block of twelve frames.
 TEST_F(Cluster, EverySchedulerSaysWhichShard) {
   int runs = 0;
   const auto draws = [&](const std::string& environment, const std::string& shard, const std::vector<int>& frames) {
@@ -154,7 +154,7 @@ TEST_F(Cluster, ARunIsGatheredWithTheBitsOfOneMachine) {
       gather(1).errors.find("5 of 8 are missing or not whole: 2-3, 7-9; run with --shard auto/3: sbatch --array=0,2"),
       std::string::npos);
   task(0, 3, with_stats);
-  // A list of tasks says with auto/3 what it is a list of.
+  // With a list of tasks, auto/3 gives the number of shards.
   ASSERT_EQ(run(with_stats + "/3", "SLURM_ARRAY_TASK_ID=2").exit_code, 0);
   now = status();
   EXPECT_EQ(now["missing"], json::array());
@@ -172,7 +172,7 @@ TEST_F(Cluster, ARunIsGatheredWithTheBitsOfOneMachine) {
   EXPECT_EQ(sidecar["config"]["time"], 1.25);
   EXPECT_EQ(sidecar["program"], now["programs"].begin().key());
   expect_bits_of_one_machine();
-  // What is there is not drawn again.
+  // Existing frames are not drawn again.
   const auto written = fs::last_write_time(path("d/f.4.exr"));
   task(1, 3, with_stats);
   EXPECT_EQ(fs::last_write_time(path("d/f.4.exr")), written);
@@ -191,7 +191,7 @@ TEST_F(Cluster, ATaskOfAnotherRunIsRefusedByName) {
   refused("stress ray-layers --quick -o d --shard auto", 2, "command is \"render\" there and \"stress\" here");
   EXPECT_EQ(run(render + "--frames 0-3 --threads 1", slurm(1, 2)).exit_code, 0)
       << "how many threads there are is no matter";
-  // A file that changes under its name.
+  // The scene's file changes during the run.
   ASSERT_EQ(run("make panes -o s.glb").exit_code, 0);
   const std::string of_file = "render s.glb --size 16x9 --shadows off --frames 0-3 -o e/#.png --shard auto";
   task(0, 2, of_file);
@@ -204,7 +204,7 @@ TEST_F(Cluster, ATaskOfAnotherRunIsRefusedByName) {
   expect_refused("gather nosuch", 1, "nosuch: holds no run");
 }
 
-// Whoever comes first, the others obey.
+// Tasks that start at once all use the record of one of them.
 TEST_F(Cluster, FirstTasksMayRace) {
   const std::string render = "render empty --size 16x9 --shadows off --frames 0-7 -o d/#.png --shard auto";
   for (int round = 0; round < 2; ++round) {
@@ -241,7 +241,7 @@ TEST_F(Cluster, AKilledTaskLosesAndLeavesNothing) {
   int how = 0;
   waitpid(child, &how, 0);
   ASSERT_TRUE(WIFSIGNALED(how)) << "it had ended before";
-  // Where death meets the writing of a file, its beginning stays under another name.
+  // A task that is killed while it writes leaves a temporary file.
   std::ofstream(path("d/f.4.exr.tmp-a1B2c3")) << "half";
   std::ofstream(path("d/shards/0000.json.tmp-a1B2c3")) << "half";
   std::ofstream(path("d/notes.tmp-a1B2c3")) << "not ours";
@@ -256,7 +256,7 @@ TEST_F(Cluster, AKilledTaskLosesAndLeavesNothing) {
     EXPECT_EQ(name.find(".tmp") != std::string::npos, name == "notes.tmp-a1B2c3") << name;
 }
 
-// A task is at work while it gives signs of life, wherever that is.
+// A task counts as running while it updates its record, on any machine.
 TEST_F(Cluster, StatusTellsRunningFromLostAndFailed) {
   task(0, 3);
   edit("d/shards/0000.json", {{"state", "running"}, {"space", "elsewhere"}});
@@ -284,7 +284,7 @@ TEST_F(Cluster, WhatIsDamagedOrMixedIsNamedAndDrawnAgain) {
   EXPECT_EQ(status()["missing"], json({5}));
   task(0, 2);
   EXPECT_EQ(text_of(path("d/f.5.exr")), whole);
-  // The same size: only reading all of it tells.
+  // The size is equal: only reading the whole file finds the difference.
   std::string other = whole;
   other.back() ^= 1;
   std::ofstream(path("d/f.5.exr"), std::ios::binary) << other;
@@ -303,7 +303,7 @@ TEST_F(Cluster, WhatIsDamagedOrMixedIsNamedAndDrawnAgain) {
   gather(0);
 }
 
-// Single pictures go round, sequences are shared by their frames.
+// Single pictures are dealt to tasks in turn; the frames of sequences are split.
 TEST_F(Cluster, JobsAreShared) {
   std::ofstream(path("jobs.json"))
       << R"([{"o": "d/a.png"}, {"o": "d/e/f.#.png", "frames": "0-3", "stats": "d/e/s.jsonl"},
@@ -317,7 +317,7 @@ TEST_F(Cluster, JobsAreShared) {
   EXPECT_FALSE(fs::exists(path("d/e/s.jsonl")));
   gather(0);
   EXPECT_TRUE(fs::exists(path("d/e/s.jsonl")));
-  // With numbers of one's own nothing is recorded.
+  // With an explicit shard nothing is recorded.
   fs::remove_all(path("d"));
   fs::create_directories(path("d/e"));
   ASSERT_EQ(run("render empty --size 16x9 --shadows off --jobs jobs.json --shard 1/2").exit_code, 0);
@@ -336,7 +336,7 @@ TEST_F(Cluster, AChartIsGatheredFromItsRows) {
   EXPECT_TRUE(fs::exists(path("d/index.html"))) << "the task that finds all rows writes the page";
   for (const char* name : {"index.html", "results.json", "results.csv"}) fs::remove(path(std::string("d/") + name));
   EXPECT_EQ(status()["missing"], json::array());
-  // Neither the list nor the place where tasks ran is needed any more.
+  // Gathering needs neither the list nor the original folder.
   fs::remove(path("s.json"));
   fs::rename(path("d"), path("moved"));
   gather(0, "moved");

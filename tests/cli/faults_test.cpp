@@ -1,6 +1,6 @@
-// Every allocation and every call about a file fails in turn, once or from then on: an output is the old file or the
-// new one whole, nothing half-written is left, and the program ends by an exit code and one line that says what to do.
-// SIDERAY_FAULTS_FROM=N lets the Slow tests begin there, SIDERAY_FAULTS_STEP=N take every N-th place.
+// Lets every allocation and every file call fail in turn, once or permanently. An output must be the whole old or the
+// whole new file, no partial file may be left, and the program must end with an exit code and one line with the remedy.
+// SIDERAY_FAULTS_FROM=N makes the Slow tests begin at place N, SIDERAY_FAULTS_STEP=N take every N-th place.
 #include <array>
 #include <map>
 
@@ -27,7 +27,7 @@ class Faults : public Program {
     if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   }
 
-  // Runs in the folder "work", which is the folder "before" anew.
+  // Runs in the folder "work", a fresh copy of the folder "before".
   Outcome fault(const std::string& arguments, const std::string& which) {
     fs::remove_all(path("work"));
     fs::copy(path("before"), path("work"), fs::copy_options::recursive);
@@ -57,7 +57,7 @@ class Faults : public Program {
         << which << ": " << outcome.exit_code << "\n"
         << outcome.errors;
     if (outcome.exit_code == 0) return;
-    // Warnings may come before.
+    // Warnings may precede the error.
     const size_t last = outcome.errors.rfind("sideray: ");
     ASSERT_NE(last, std::string::npos) << which << ": " << outcome.errors;
     EXPECT_NE(outcome.errors.find("; ", last), std::string::npos) << which << ": " << outcome.errors;
@@ -67,7 +67,7 @@ class Faults : public Program {
 
   struct Output {
     std::string arguments, file;
-    // Whether a text is the whole new file, given the text of an undisturbed run.
+    // Returns whether a text is the whole new file, given that of an undisturbed run.
     bool (*is_whole)(const std::string& text, const std::string& whole);
   };
 
@@ -94,7 +94,7 @@ class Faults : public Program {
     return counts_;
   }
 
-  // At `places` of each kind, evenly, and half as many from which all fails.
+  // Fails at `places` evenly spread places of each kind, and permanently from half as many.
   void sample(const Output& output, uint64_t places) {
     const Counts all = count(output);
     for (const auto& [kind, number] :
@@ -107,8 +107,8 @@ class Faults : public Program {
       }
   }
 
-  // `known_crashes`: of others' code, to which a program cannot give memory (docs/limits.md), each once and from then
-  // on.
+  // Fails at every place. `known_crashes` counts places in libraries that crash without memory (docs/limits.md), each
+  // once and permanently.
   void every_place(const Output& output, size_t known_crashes) {
     known_crashes_ = known_crashes;
     const uint64_t first = setting("SIDERAY_FAULTS_FROM"), step = setting("SIDERAY_FAULTS_STEP");
@@ -116,7 +116,7 @@ class Faults : public Program {
     for (const std::string kind : {"file:", "allocation:"})
       for (const char* lasting : {"", "+"}) {
         uint64_t number = first;
-        // The last places are not met by every run: threads decide which of them allocates.
+        // Not every run reaches the last places: it depends on which thread allocates.
         for (uint64_t without = 0; without < 3; number += step) {
           expect_old_or_new(output, kind + std::to_string(number) + lasting);
           without = counts_.failures == 0 ? without + 1 : 0;
@@ -187,7 +187,7 @@ TEST_F(Faults, Gather) {
   sample(gather(), 6);
 }
 
-// The call that writes the bytes, all others of files, and the block that zlib finds no memory for are among these.
+// These include the call that writes the bytes, all other file calls, and zlib's failing block.
 class SlowFaults : public Faults {};
 
 TEST_F(SlowFaults, EveryPlaceOfRender) {

@@ -1,4 +1,4 @@
-// Sequences: names, moments, stats, what is refused, and what a view shows in which nothing moves.
+// Tests sequences: names, times, stats, refusals, and still views.
 #include <bit>
 #include <cstdio>
 #include <sstream>
@@ -21,7 +21,7 @@ class Frames : public Program {
     ASSERT_EQ(outcome.exit_code, 0) << arguments << "\n" << outcome.errors;
     EXPECT_EQ(outcome.errors, "") << "a bar is for terminals";
   }
-  // Of a sequence's stats: the lines and the frame of each.
+  // Holds the lines of a sequence's stats, and the frame of each.
   struct Lines {
     std::vector<std::string> text;
     std::vector<int> frames;
@@ -84,12 +84,12 @@ TEST_F(Frames, NumbersArePaddedAndMayGrow) {
   EXPECT_EQ(sorted_files(), (std::vector<std::string>{"a.10.exr", "a.9.exr", "b009.png", "b010.png", "s.jsonl"}));
   EXPECT_EQ(colours("a.9.exr"), colours("a.10.exr")) << "nothing moves in this scene";
   EXPECT_EQ(lines("s.jsonl").frames, (std::vector<int>{9, 10}));
-  // Without --frames the sign is a letter like any other.
+  // Without --frames, "#" is an ordinary character.
   render("panes --size 32x18 -o c#.png");
   EXPECT_TRUE(fs::exists(path("c#.png")));
 }
 
-// The moment of frame n is n / fps, cameras included.
+// Frame n shows the time n / fps, also of cameras.
 TEST_F(Frames, AFrameIsThePictureOfItsMoment) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   const std::string scene = "bistro --camera dolly --size 48x27 --shadows off --taa off --denoise off ";
@@ -123,7 +123,7 @@ TEST_F(Frames, ShardsAndResumedRunsDrawTheBitsOfTheWhole) {
   EXPECT_NE(colours("whole.2.exr"), colours("whole.3.exr"));
 }
 
-// A bent mesh gets new vertices, as an update that costs far less than the scene took to load.
+// A skinned mesh gets new vertices, by an update far cheaper than loading the scene.
 TEST_F(Frames, SkinsGetNewVertices) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   const std::string scene =
@@ -148,7 +148,7 @@ TEST_F(Frames, SkinsGetNewVertices) {
   }
 }
 
-// So does one whose weights move, beside one whose weights stand still.
+// So does a mesh with animated weights, beside one with constant weights.
 TEST_F(Frames, MorphTargetsMove) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   const std::string scene =
@@ -186,7 +186,7 @@ TEST_F(Frames, AShardWritesItsBlockAlone) {
   EXPECT_EQ(lines("s.jsonl").frames, (std::vector<int>{8, 9, 10}));
 }
 
-// Warmed up from the sequence's start on, a block has the bits of the whole; without warming up it starts anew.
+// A block that warms up from the sequence's start has the bits of the whole; one without warming up has no history.
 TEST_F(Frames, ABlockOfATemporalSequenceWarmsUp) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   const std::string scene = "bistro --camera dolly --size 48x27 --frames 2-5 --fps 30 --shadows off --ambient off --taa on ";
@@ -197,7 +197,7 @@ TEST_F(Frames, ABlockOfATemporalSequenceWarmsUp) {
   for (const std::string name : {".4.exr", ".5.exr"})
     EXPECT_EQ(colours("warm" + name), colours("whole" + name)) << name;
   EXPECT_NE(colours("cold.4.exr"), colours("whole.4.exr"));
-  // What exists is drawn again to warm up, and stays as it is.
+  // Existing frames are drawn again to warm up, but their files stay.
   fs::copy_file(path("cold.4.exr"), path("warm.2.exr"));
   fs::copy_file(path("cold.4.exr"), path("warm.3.exr"));
   fs::remove(path("warm.5.exr"));
@@ -206,11 +206,11 @@ TEST_F(Frames, ABlockOfATemporalSequenceWarmsUp) {
   EXPECT_EQ(colours("warm.5.exr"), colours("whole.5.exr"));
 }
 
-// The table of docs/sequences.md, In parts: the second half of a sequence beside the whole, byte by byte.
+// Checks the table of docs/sequences.md, In parts: compares the second half of a sequence with the whole, byte by byte.
 class FramesInParts : public Frames {
  protected:
   void draw_whole(const std::string& options) { render(options + size_and_frames_ + "-o whole.#.exr"); }
-  // Whether the block has the bytes of the sequence that was drawn whole; else where it differs.
+  // Returns whether the block has the bytes of the sequence drawn whole, else where it differs.
   testing::AssertionResult is_of_the_whole(const std::string& options, const std::string& warming) {
     render(options + size_and_frames_ + "-o part.#.exr --shard 1/2 " + warming);
     for (const std::string name : {".4.exr", ".5.exr"})
@@ -267,8 +267,8 @@ TEST_F(FramesInParts, WhatHasAPastHasThemWhereItWarmsUpFromTheFirstFrameOn) {
   }
 }
 
-// A view that stands still has the random numbers of the frame in which it came to rest: a block has its bytes where warming up
-// reaches that frame, and otherwise the same picture but for noise.
+// A still view uses the random numbers of the frame in which it came to rest. A block has the same bytes if warming up
+// reaches that frame, and otherwise the same picture up to noise.
 TEST_F(Frames, AStillViewInPartsIsWholeWhereItWarmsUpFromWhereItCameToRest) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   const std::string still = "solids --size 32x18 --frames 0-139 ";
@@ -283,7 +283,8 @@ TEST_F(Frames, AStillViewInPartsIsWholeWhereItWarmsUpFromWhereItCameToRest) {
   EXPECT_EQ(json::parse(late.text.back())["pixels"]["positions"], 64);
 }
 
-// On in sequences, from the second frame on; parts that warm up from the first frame on have the bits of the whole.
+// Anti-aliasing over time acts from the second frame on; parts that warm up from the first frame have the bits of the
+// whole.
 TEST_F(Frames, ASequenceIsAntiAliasedOverTime) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   const std::string scene = "smoke --size 48x27 --shadows map ";
@@ -307,7 +308,7 @@ TEST_F(Frames, ResumedStatsAreWholeAndInOrder) {
   ASSERT_EQ(first.frames, (std::vector<int>{0, 1, 2, 3, 4}));
   const std::string picture = text_of(path("a.4.exr"));
   fs::remove(path("a.1.exr"));
-  // 3 stands before 0, 2 is lost, 4 is cut off.
+  // Line 3 is before line 0, line 2 is missing, line 4 is truncated.
   std::ofstream(path("s.jsonl")) << first.text[3] << "\n"
                                  << first.text[0] << "\n"
                                  << first.text[1] << "\n"
@@ -333,7 +334,7 @@ TEST_F(Frames, ASinglePictureThatExistsStays) {
   EXPECT_EQ(kept.exit_code, 0);
   EXPECT_EQ(kept.output, "a.exr: exists; nothing to draw\n");
   EXPECT_EQ(text_of(path("a.exr")), text_of(path("c.exr")));
-  // The comparison is made all the same.
+  // The comparison is still made.
   const Outcome compared = run("render panes --size 16x9 -o a.exr --resume --compare b.exr");
   EXPECT_EQ(compared.output, kept.output + run("compare a.exr b.exr").output);
   cut("c.exr");
@@ -367,7 +368,7 @@ TEST_F(Frames, JobsResume) {
   EXPECT_TRUE(fs::exists(path("c.0.exr")) && fs::exists(path("c.1.exr")));
 }
 
-// What a sequence shows where neither camera nor scene moves, drawn as the program draws it unless told otherwise.
+// Tests a sequence in which neither camera nor scene moves, by default options.
 class StillView : public Frames {
  protected:
   void draw(const std::string& arguments, int last) {
@@ -403,7 +404,7 @@ TEST_F(StillView, BecomesThePictureOf64SamplesAndThenCostsNothing) {
   }
 }
 
-// One place in the pixel, and nothing rough: once the masks' mean over frames has settled, the bits stay.
+// With one position in each pixel and no rough surfaces, bits stay once the masks' average over frames has converged.
 TEST_F(StillView, WithoutAntiAliasingSmoothGlassSettles) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   draw("solids --taa off", 52);

@@ -1,4 +1,4 @@
-// A .glb file whose JSON is changed, as an editor would. Test support.
+// Changes the JSON of a .glb file, as an editor would. Test support.
 #pragma once
 
 #include <cstdint>
@@ -44,7 +44,7 @@ inline std::string base64(const std::vector<float>& values) {
   return text;
 }
 
-// The accessor of numbers that become a buffer of their own.
+// Adds numbers as a buffer, and returns their accessor.
 inline int accessor_of(nlohmann::json& gltf, const std::vector<float>& values, size_t components) {
   const char* types[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
   const size_t bytes = values.size() * sizeof(float);

@@ -1,4 +1,4 @@
-// References kept in a folder: recorded, checked, approved, as somebody does who tests pictures in CI.
+// Tests references in a folder: recording, checking and approving them, as in CI.
 #include <algorithm>
 #include <map>
 
@@ -41,7 +41,7 @@ class Golden : public Program {
     edit([](json& gltf) { node_named(gltf, "ball")["matrix"][12] = node_named(gltf, "ball")["matrix"][12].get<double>() + 0.3; });
   }
 
-  // All files below a folder with their bytes.
+  // Returns all files below a folder with their bytes.
   std::map<std::string, std::string> content(const std::string& folder) const {
     std::map<std::string, std::string> files;
     if (!fs::exists(path(folder))) return files;
@@ -150,7 +150,7 @@ TEST_F(Golden, RecordingAgainSaysWhatIsAnotherPicture) {
   move_ball();
   write("d/jobs.json", R"([{"scene": "s.glb", "o": "a.png", "size": "48x27"}])");
   EXPECT_EQ(golden("record d", equal).output, "a: recorded; differs from the reference before\n");
-  // What is no reference any more goes, what the user put there stays.
+  // Obsolete references are removed, files of the user stay.
   EXPECT_EQ(content("d/references").count("sub/b.exr"), 0u);
   EXPECT_EQ(content("d/references")[".gitattributes"], "*.exr filter=lfs\n");
 }
@@ -164,7 +164,7 @@ TEST_F(Golden, OptionsOfTheCommandLineAreRecorded) {
   golden("check d", equal);
 }
 
-// Whatever is in names: they are data to XML, to the page and to the terminal.
+// Names with any characters stay data in XML, in the page and in the terminal.
 TEST_F(Golden, NamesAreEscaped) {
   record();
   edit([](json& gltf) {
@@ -194,12 +194,12 @@ TEST_F(Golden, AnotherDriverDiffersAsFarAsWasApproved) {
   EXPECT_GT(drift["share"], 0.0);
   EXPECT_TRUE(golden("check d", equal, by_rays).output.starts_with("a: within the drift of rays alone"));
   golden("check d", equal);
-  // A tenth of the drift is less than what was approved.
+  // A tenth of the drift is below the approved amount.
   json less = manifest();
   less["pictures"][0]["drift"]["rays alone"]["flip"] = 0.1 * drift["flip"].get<double>();
   std::ofstream(path("d/references/manifest.json")) << less;
   EXPECT_TRUE(has(golden("check d", differs, by_rays).output, "more than was approved for it"));
-  // No driver moves an object, however little.
+  // Even a slight motion of an object is never accepted as a driver's difference.
   move_ball();
   golden("check d", differs, by_rays);
   expect_refused("golden approve d", wrong_usage, "objects differ, not the driver");
@@ -278,7 +278,7 @@ TEST_F(Golden, ApprovalIsOfTheReferencesThatWereChecked) {
 }
 
 #if defined(SIDERAY_FAILING_CALLS)
-// A full disk, at every place in turn: references are the old ones or the new ones, all of them.
+// Simulates a full disk at every place in turn: all references are the old ones, or all are the new ones.
 class GoldenFaults : public Golden {
  protected:
   struct Counts {
@@ -303,7 +303,7 @@ class GoldenFaults : public Golden {
     return outcome;
   }
 
-  // All places about files in turn, or `most` of them, evenly.
+  // Fails at all places of file calls in turn, or at `most` evenly spread ones.
   void places(const std::string& command, int exit_code, uint64_t most = UINT64_MAX) {
     const auto old = content("before/references");
     EXPECT_EQ(fault(command, "none").exit_code, exit_code);
@@ -311,7 +311,7 @@ class GoldenFaults : public Golden {
     const uint64_t all = counts_.files, number = std::min(all, most);
     EXPECT_GT(all, 15u);
     for (uint64_t i = 0; i < number; ++i) {
-      // Once, or from then on.
+      // Fails once, or permanently.
       const std::string which = "file:" + std::to_string(1 + (2 * i + 1) * all / (2 * number)) + (i % 2 ? "+" : "");
       SCOPED_TRACE(command + " " + which);
       const Outcome outcome = fault(command, which);

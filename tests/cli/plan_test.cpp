@@ -1,4 +1,4 @@
-// `sideray plan` says what `sideray render` then does.
+// Tests that `sideray plan` predicts what `sideray render` does.
 #include <fmt/format.h>
 
 #include <map>
@@ -12,13 +12,13 @@ using nlohmann::json;
 
 class Plan : public Program {
  protected:
-  // Nothing of one test is another's.
+  // No cache, so that tests do not share measurements.
   json plan(const std::string& arguments, const std::string& environment = "SIDERAY_CACHE=off") const {
     const Outcome outcome = run("plan " + arguments + " --json", environment);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
     return json::parse(outcome.output, nullptr, false);
   }
-  // What a machine without OpenGL says, which is quick.
+  // Returns the plan of a machine without OpenGL, which is quick.
   json bounded(const std::string& arguments) const { return plan(arguments + " --gl egl", no_gl); }
   static constexpr const char* no_gl =
       "SIDERAY_CACHE=off __EGL_VENDOR_LIBRARY_DIRS=/none __EGL_VENDOR_LIBRARY_FILENAMES=/none";
@@ -69,7 +69,7 @@ class Plan : public Program {
     }
   }
 
-  // Times are predicted and never tested: machines differ.
+  // Expects predictions of counts; times are not tested, since machines differ.
   void expect_predicted(const std::string& arguments) {
     SCOPED_TRACE(arguments);
     const json predicted = plan(arguments)["predicted"], drawn = stats(arguments);
@@ -149,8 +149,8 @@ TEST_F(Plan, IsMeasuredOnceAndKept) {
   EXPECT_EQ(plan(arguments, keeps)["predicted"]["rays"], first["predicted"]["rays"]) << "a broken file is none";
 }
 
-// Off, raster, hybrid and raytraced. With as many layers as there are panes: those that the rasterizer shades have no
-// coloured shadows of the others.
+// Off, raster, hybrid and raytraced. There are as many layers as panes: panes shaded by the rasterizer lack the
+// coloured shadows of others.
 const std::string few_candidates = "panes --size 64x36 --shadows map --cache-rate full --layers 4 --oit sorted ";
 
 TEST_F(Plan, PicksTheCheapestThatHoldsTheError) {
@@ -174,7 +174,7 @@ TEST_F(Plan, PicksTheCheapestThatHoldsTheError) {
 
 TEST_F(Plan, TheReferenceIsThatOfWhatWasAsked) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL";
-  std::map<std::string, double> errors;  // of shadows that are nothing else
+  std::map<std::string, double> errors;  // of configurations that differ in shadows alone
   const json planned = plan("empty --size 64x36 --max-ms 1e6");
   for (const json& c : planned["candidates"])
     if (c.contains("error") && c["config"].size() == 1) errors[c["config"].value("shadows", "")] = c["error"];
@@ -198,7 +198,7 @@ TEST_F(Plan, RenderDrawsWhatIsPicked) {
     }
 }
 
-// The whole frame's time is told by what is kept of it, so that the test knows no clock.
+// The whole frame's time comes from the cache, so that the test does not depend on a clock.
 TEST_F(Plan, AMissedTimeIsChosenAnew) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL";
   const std::string keeps = "XDG_CACHE_HOME='" + path("") + "'", bound = "--max-ms 1e6";
@@ -292,7 +292,7 @@ TEST_F(Plan, NothingMoreThanTheSceneNeeds) {
       << "one pane, one layer";
   EXPECT_EQ(service_bytes(bounded("panes?count=6 --size 64x36 --shadows map --ambient off --diagnose whole-pixels=off")), 64u * 36 * 16 * 4);
   EXPECT_EQ(service_bytes(bounded("panes?count=6 --size 64x36 --shadows map --ambient off")), 64u * 36 * (16 * 4 + 16));
-  // What auto leaves out costs nothing.
+  // Stages that auto leaves out have no time.
   const json bare = bounded("panes --size 64x36 --translucency off --shadows map --env none --ambient off");
   for (const char* stage : {"build", "readback", "trace", "trace_ao", "denoise", "upload"})
     EXPECT_FALSE(runs(bare, stage)) << stage;

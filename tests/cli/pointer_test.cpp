@@ -1,4 +1,4 @@
-// KHR_animation_pointer and KHR_node_visibility in pictures: those of a moment are those of a file that says so itself,
+// Tests KHR_animation_pointer and KHR_node_visibility: the picture at a time equals that of a file with these values,
 // with and without OpenGL, alone and in a sequence.
 #include <fmt/format.h>
 
@@ -37,7 +37,7 @@ void set(json& gltf, const std::string& pointer, const std::vector<float>& value
 
 class PointerPictures : public Program {
  protected:
-  // A scene of the program's with other JSON, as NAME.glb.
+  // Makes a built-in scene with changed JSON, as NAME.glb.
   void make(const std::string& name, const std::function<void(json&)>& change) {
     ASSERT_EQ(run("make solids -o " + name + ".glb").exit_code, 0);
     edit_glb(path(name + ".glb"), change);
@@ -51,7 +51,7 @@ class PointerPictures : public Program {
   std::vector<std::string> ways() const {
     return can_draw() ? std::vector<std::string>{"none", "auto"} : std::vector<std::string>{"none"};
   }
-  // The picture at 1 s is that of the file that says so, and not that of 0 s.
+  // Expects that the picture at 1 s is that of a file with the value at 1 s, and differs from that at 0 s.
   void expect_as_said(const std::string& pointer, const std::vector<float>& from, const std::vector<float>& to) {
     SCOPED_TRACE(pointer);
     std::vector<float> middle;
@@ -79,7 +79,7 @@ TEST_F(PointerPictures, AreThoseOfAFileThatSaysSo) {
   expect_as_said("/cameras/0/perspective/yfov", {0.25}, {1});
 }
 
-// What changes at once is seen at once: what was kept of the frame before goes.
+// A sudden change shows at once: the history is rejected.
 TEST_F(PointerPictures, SequencesNoticeThatLightAndMaterialsChange) {
   const std::string light = "/extensions/KHR_lights_punctual/lights/0/color", floor = "/materials/0/emissiveFactor";
   make("moving", [&](json& gltf) {
@@ -101,7 +101,7 @@ TEST_F(PointerPictures, SequencesNoticeThatLightAndMaterialsChange) {
     EXPECT_FALSE(same("m.0000.png", "s.0000.png")) << way;
     EXPECT_TRUE(same("m.0001.png", "s.0001.png")) << way;
     EXPECT_TRUE(same("m.0002.png", "s.0002.png")) << way;
-    // What is averaged over time follows; noise is other noise.
+    // Averages over time follow the change; only noise differs.
     draw_both("");
     EXPECT_LT(flip("0001"), 0.4 * flip("0000")) << way;
     EXPECT_LT(flip("0002"), 0.25 * flip("0000")) << way;
@@ -115,7 +115,7 @@ TEST_F(PointerPictures, HiddenNodesAreNotInThem) {
   make("moving", [&](json& g) { animate(g, pointer, {1}, {0}, 1, "STEP"); });
   make("still", [&](json& g) { g[json::json_pointer(pointer)] = false; });
   for (const std::string& way : ways()) {
-    // Rays of refraction begin elsewhere by a rounding where there is another body, however small.
+    // Another body, however small, changes the origins of refraction rays by rounding.
     const std::string how = " --size 64x36 --translucency raster --gl " + way;
     draw("still.glb -o still.png" + how);
     draw("moving.glb --time 1 -o hidden.png" + how);

@@ -1,4 +1,4 @@
-// Runs the built `sideray` as a user would, in a folder of its own. Test support.
+// Runs the built `sideray` as a user would, in a separate folder. Test support.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ class Program : public testing::Test {
 
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
-  // `arguments` and `environment` ("NAME=value ...") as a shell reads them. The working folder is the test's.
+  // Runs the program in the test's folder. A shell reads `arguments` and `environment` ("NAME=value ...").
   Outcome run(const std::string& arguments, const std::string& environment = "") const {
     const std::string out = path("stdout.txt"), err = path("stderr.txt");
     const std::string command = "cd '" + folder_.string() + "' && " + environment +
@@ -56,7 +56,7 @@ class Program : public testing::Test {
     return outcome;
   }
 
-  // False where a test may be skipped for want of OpenGL: never where contexts are promised (script/test).
+  // Returns false where a test may be skipped for lack of OpenGL: never where contexts are promised (script/test).
   bool can_draw() const {
     if (std::getenv("SIDERAY_REQUIRE_CONTEXTS")) return true;
     for (const nlohmann::json& device : nlohmann::json::parse(run("devices --json").output))
@@ -71,7 +71,7 @@ class Program : public testing::Test {
     return names;
   }
 
-  // One line "sideray: ...: ..." on standard error, nothing on standard output, nothing written.
+  // Expects one line "sideray: ...: ..." on standard error, nothing on standard output, and no file.
   void expect_refused(const std::string& arguments, int exit_code, const std::string& says,
                       const std::string& environment = "") const {
     SCOPED_TRACE("sideray " + arguments);

@@ -1,4 +1,4 @@
-// The program without OpenGL: what is opened, what is said, what is refused.
+// Tests the program without OpenGL: libraries, messages, refusals.
 #include <cmath>
 
 #include "cli/program.h"
@@ -20,7 +20,7 @@ class RaysAlone : public Program {
   }
 };
 
-// The loader says which libraries it is asked for, found or not.
+// The loader's log lists all requested libraries, found or not.
 TEST_F(RaysAlone, OpenNoLibraryOfOpenGL) {
   draw("solids --size 64x36 --gl none -o a.png", "LD_DEBUG=files LD_DEBUG_OUTPUT='" + path("loaded") + "'");
   std::string loaded;
@@ -39,7 +39,7 @@ TEST_F(RaysAlone, AreChosenByAnEnvironmentVariable) {
   EXPECT_NE(device.dump().find("rays alone"), std::string::npos) << device.dump();
 }
 
-// Empty files in the place of OSMesa's libraries are found and cannot be loaded.
+// Empty files in place of OSMesa's libraries are found but cannot be loaded.
 TEST_F(RaysAlone, DrawWhereNoContextCanBeHad) {
   draw("panes --size 64x36 --gl none -o none.png");
   for (const char* library : {"libOSMesa.so.8", "libOSMesa.so.6"}) std::ofstream(path(library)).flush();
@@ -58,7 +58,7 @@ TEST_F(RaysAlone, RefuseInOneLine) {
   expect_refused("render panes --size 16x16 --gl no -o a.png", wrong_usage, "--gl");
 }
 
-// The raster look, with its layers and without; what is shown beside it.
+// Draws the raster look with layers and without, and channels beside it.
 TEST_F(RaysAlone, DrawTheRasterLook) {
   draw("panes --size 64x36 --gl none -o raster.png --translucency raster");
   draw("panes --size 64x36 --gl none -o none.png --layers 0");
@@ -70,14 +70,14 @@ TEST_F(RaysAlone, DrawTheRasterLook) {
   expect_refused("render panes --size 16x16 --gl none -o a.exr --layers 0 --aov layers", wrong_usage, "this frame has no layers");
 }
 
-// A bound chooses among what rays draw; `all` is all that there is.
+// A bound chooses among the ways of rays; `all` gives all channels that exist without OpenGL.
 TEST_F(RaysAlone, KeepBoundsAndShowAllChannels) {
   draw("panes --size 64x36 --gl none -o all.exr --aov all");
   const Outcome bounded = run("render solids --size 64x36 --gl none -o a.png --max-error 0.9 --stats s.json", "SIDERAY_CACHE=off");
   ASSERT_EQ(bounded.exit_code, 0) << bounded.errors;
 }
 
-// Depth, motion and averages over frames whose camera moves.
+// Draws depth, motion and averages over frames with a moving camera.
 TEST_F(RaysAlone, DrawSequences) {
   const std::string arguments = "haze --size 96x54 --frames 0-3 --aov motion,Z ";
   draw(arguments + "--gl none -o rays.#.exr");

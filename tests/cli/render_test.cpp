@@ -68,7 +68,7 @@ TEST_F(Render, StatsFollowTheSchema) {
   EXPECT_EQ(s["config"]["oit"], "sorted");
 }
 
-// The counters of the picture are those of the frames that are drawn again: it is the same frame.
+// The picture's counters equal those of its repeats, which draw the same frame.
 TEST_F(Render, StatsAreOfTheFrameThatIsDrawn) {
   for (const char* mode : {"hybrid --shadows exact", "raytraced", "reference --light-samples 2"}) {
     const std::string scene = "panes --size 64x36 --translucency " + std::string(mode);
@@ -79,7 +79,7 @@ TEST_F(Render, StatsAreOfTheFrameThatIsDrawn) {
     EXPECT_EQ(text_of(path("x.exr")), text_of(path("y.exr"))) << mode;
     const json drawn = stats("s.json"), timed = stats("b.json");
     for (const char* same : {"scene", "rays", "pixels"}) EXPECT_EQ(drawn[same], timed[same]) << mode << same;
-    // A renderer's first picture uploads what later ones keep.
+    // A renderer's first picture uploads data that later ones reuse.
     for (const char* same : {"cache", "readback"}) EXPECT_EQ(drawn["bytes"][same], timed["bytes"][same]) << mode << same;
     for (const auto& [key, value] : drawn["layers"].items()) EXPECT_EQ(value, timed["layers"][key]) << mode << key;
     EXPECT_FALSE(drawn["layers"].contains("matched"));
@@ -106,8 +106,8 @@ TEST_F(Render, MatchersSteppersAndTheirCheck) {
     const char* options;
     bool misassigns, loses;
   };
-  // Panes a fifteenth of their distance apart: a large threshold of listing 50-2 merges them, and listing 50-1 skips
-  // all but the first two. Fragments of whole pixels would look nothing up.
+  // Panes are a fifteenth of their distance apart: a large threshold of listing 50-2 merges them, and listing 50-1
+  // skips all but the first two. Whole pixels are off, since their fragments look nothing up.
   for (const Case& c : {Case{"", false, false}, Case{"--diagnose match=nearest", false, false},
                         Case{"--diagnose match=distance,match-threshold=0.1", true, false},
                         Case{"--diagnose step=retrace", false, false}, Case{"--diagnose step=listing", false, true}}) {
@@ -197,7 +197,7 @@ TEST_F(Render, OnlyTheLayersAsInTheReference) {
   EXPECT_FALSE(s["pixels"].contains("masked"));
   EXPECT_EQ(s["repeats"], 1);
   EXPECT_GT(s["stages_ms"]["gbuffer"], 0.0);
-  // The whole frame is what its stages add up to: it is drawn once.
+  // The frame's total is the sum of its stages, since it is drawn once.
   double sum = 0;
   for (const auto& [stage, ms] : s["stages_ms"].items())
     if (stage != "load" && stage != "build" && stage != "total_frame" && stage != "kept_frame") sum += ms.get<double>();
@@ -299,7 +299,7 @@ TEST_F(Render, LayersZeroIsRaster) {
   EXPECT_EQ(run("compare a.exr b.exr --fail-above 0 --metric relmse").exit_code, 0);
 }
 
-// A sequence by the program's defaults, whose budget is spent before any ray: each frame still traces a piece of each job.
+// With a budget that is spent before any ray, each frame of a sequence still traces a piece of each job.
 TEST_F(Render, ABudgetThatIsSpentGoesOnInPieces) {
   render("panes -o b.####.exr --size 160x90 --frames 0-6 --budget 0.001 --stats b.json");
   std::istringstream lines(text_of(path("b.json")));
@@ -312,7 +312,7 @@ TEST_F(Render, ABudgetThatIsSpentGoesOnInPieces) {
     late.push_back(frame["pixels"]["late"]);
   }
   ASSERT_EQ(late.size(), 7u);
-  // From the third frame on the view is known to stand still, and goes on with its first position.
+  // From the third frame on the view counts as still, and continues at its first position.
   for (size_t f = 3; f < late.size(); ++f) EXPECT_LT(late[f], late[f - 1]) << f;
   expect_refused("render panes -o c.exr --budget 5 --deadline 5", 2, "budget");
   expect_refused("render panes -o c.exr --budget 5 --max-ms 50", 2, "--max-ms");
@@ -328,7 +328,7 @@ TEST_F(Render, ADeadlineThatHasPassedLeavesRaster) {
   EXPECT_EQ(stats["pixels"]["late"], stats["pixels"]["masked"]);
   for (const char* key : {"older", "masks_older", "oldest_frames"}) EXPECT_EQ(stats["pixels"][key], 0) << key;
   EXPECT_EQ(stats["layers"]["matched"], 0);
-  // Under a deadline chunks are smaller, so that other pixels are donors, and share light that bounces.
+  // A deadline makes chunks smaller, so that other pixels are donors and bounced light differs.
   render("panes -o c.exr --size 64x36 --ray-reuse 0 --ambient ao --deadline 1e6");
   render("panes -o d.exr --size 64x36 --ray-reuse 0 --ambient ao");
   EXPECT_EQ(text_of(path("c.exr")), text_of(path("d.exr")));
@@ -362,7 +362,7 @@ TEST_F(Render, ABuiltInSceneIsWhatMakeWrites) {
   EXPECT_EQ(run("compare a.exr b.exr --fail-above 0.001").exit_code, 0);
 }
 
-// Plants in wind are written as instances, each with its phase and its place among the objects.
+// Plants in wind are written as instances, each with its phase and its index among the objects.
 TEST_F(Render, AForestReadFromAFileIsTheSamePicture) {
   ASSERT_EQ(run("make forest -o f.glb --set count=300").exit_code, 0);
   const std::string view = " --size 64x36 --camera pond --time 1.3 --aov Z,N,id,shadow -o ";
@@ -371,7 +371,7 @@ TEST_F(Render, AForestReadFromAFileIsTheSamePicture) {
   EXPECT_TRUE(text_of(path("a.exr")) == text_of(path("b.exr"))) << "to the last bit";
 }
 
-// What is not drawn throws no shadow: panes that are there, or not, are the same picture, whoever looks for shadows.
+// Glass that is not drawn casts no shadow: the picture is the same without the panes, by every way of shadows.
 TEST_F(Render, WithoutTranslucencyGlassThrowsNoShadows) {
   for (const char* shadows : {"exact", "map"})
     for (const char* translucency : {"off", "raster"}) {
@@ -382,7 +382,7 @@ TEST_F(Render, WithoutTranslucencyGlassThrowsNoShadows) {
     }
 }
 
-// Raytraced translucency leaves sprites out: no more of them is there to be seen.
+// Raytraced translucency draws no sprites, so any shadow of them would show.
 TEST_F(Render, SmokeThrowsNoShadows) {
   for (const char* shadows : {"exact", "map"}) {
     const std::string way = std::string(" --size 64x36 --translucency raytraced --shadows ") + shadows;

@@ -32,7 +32,7 @@ TEST_F(Report, CompareKeepsTheBound) {
   EXPECT_EQ(run("compare " + data + "order_a.png " + data + "hdr_a.exr").exit_code, 2);
 }
 
-// One picture as radiance, one as a display shows it: what is defined for PNG values alone.
+// Compares radiance with display values, by the metrics of PNG values alone.
 TEST_F(Report, CompareMeetsBothKinds) {
   scenes::Image image{16, 12, {}, true};
   for (const char* name : {"R", "G", "B"})

@@ -1,4 +1,4 @@
-// What a user sees of files that are broken or hostile: exit 0 or 1, one line, within 20 s and a few gigabytes.
+// Tests broken and hostile files: exit code 0 or 1, one line, within 20 s and a few gigabytes.
 #include "cli/program.h"
 
 namespace sideray::cli_tests {
@@ -25,7 +25,7 @@ class Robust : public Program {
     if (!fs::exists(assets() / "Invalid")) GTEST_SKIP() << "no test content at " << assets();
   }
 
-  // Limits of the shell's children. Sanitizers reserve terabytes of addresses, so they run without the second.
+  // Returns limits for the shell's children. Sanitizers reserve terabytes of addresses, so they run without the second.
   static std::string limits() {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
     return "timeout 20";

@@ -1,4 +1,4 @@
-// Blocks of a sequence and the steps of a run, against their definitions frame by frame.
+// Compares blocks of a sequence and the steps of a run with their definitions, frame by frame.
 #include "cli/options/sequence_plan.h"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ TEST(SequencePlan, BlocksOfTheMostFramesDoNotOverflow) {
   EXPECT_EQ(last.end, 10000000u);
 }
 
-// A frame is drawn where it is wanted, or where a wanted one follows within `warm_up` frames.
+// A frame is drawn if it is wanted, or if a wanted one follows within `warm_up` frames.
 TEST(SequencePlan, StepsAreTheWantedFramesAndThoseBeforeThem) {
   constexpr uint32_t first = 3, frames = 9;
   for (uint32_t warm_up : {0u, 1u, 2u, 4u, 16u, 1000000u})
@@ -61,7 +61,7 @@ TEST(SequencePlan, StepsAreTheWantedFramesAndThoseBeforeThem) {
     }
 }
 
-// What repeats every eight frames is the same in a warmed-up part as in the whole.
+// Patterns with a period of eight frames are the same in a warmed-up part as in the whole.
 TEST(SequencePlan, WarmingUpKeepsStep) {
   constexpr uint32_t first = 3, period = 8;
   for (uint32_t warm_up : {8u, 11u, 16u, 100u})

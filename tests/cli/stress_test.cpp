@@ -1,4 +1,4 @@
-// `sideray stress`: what is known to fail does, and the defaults do not.
+// Tests that in `sideray stress` known failures fail and the defaults do not.
 #include <algorithm>
 #include <set>
 
@@ -32,7 +32,7 @@ bool matches(const json& row, const Failed& failed) {
          row["measure"].get<std::string>().find(failed.measure) != std::string::npos;
 }
 
-// All cases but two: a budget takes seconds, and fragments are not there.
+// Runs all cases but two: that of a budget takes seconds, and that of fragments needs OpenGL.
 TEST_F(StressByRays, KeepsTheBoundsOfDefaults) {
   const Outcome outcome = run("stress layer-gap coplanar layer-count instance-scale world-offset match-gap wind-gap contact self-shadow "
                               "leaves settling depth-format ray-layers broken-triangles late-glass bounce --quick --gl none -o d");
@@ -72,7 +72,7 @@ TEST_F(Stress, QuickSweepsShowWhatIsKnownToFail) {
     EXPECT_TRUE(std::any_of(r["cases"].begin(), r["cases"].end(),
                             [&](const json& row) { return matches(row, failed) && !row["pass"].get<bool>(); }))
         << failed.name << ", " << failed.variant;
-  // Random ones do what their closed forms say.
+  // Rates of random failures are those of their closed forms.
   size_t closed_forms = 0;
   for (const json& row : r["cases"]) {
     if (row["measure"].get<std::string>().find("closed form") == std::string::npos) continue;

@@ -1,5 +1,4 @@
-// Lines and points of files in pictures: where they are, that surfaces hide them, and that both ways of drawing show
-// the same.
+// Tests lines and points of files: their pixels, that surfaces hide them, and that both ways of drawing agree.
 #include <cmath>
 #include <functional>
 
@@ -42,7 +41,7 @@ json color(float r, float g, float b, float a = 1) {
   return {{"pbrMetallicRoughness", {{"baseColorFactor", {r, g, b, a}}, {"metallicFactor", 0}}}};
 }
 
-// A rectangle of two triangles.
+// Returns a rectangle of two triangles.
 std::vector<float> rectangle(float x0, float y0, float x1, float y1, float z) {
   return {x0, y0, z, x1, y0, z, x1, y1, z, x0, y0, z, x1, y1, z, x0, y1, z};
 }
@@ -59,7 +58,7 @@ class Thin : public Program {
     EXPECT_EQ(outcome.errors, "") << options;
     return scenes::read_image(path("picture.exr"));
   }
-  // Of a pixel counted from the bottom left.
+  // Returns the value of a pixel, counted from the bottom left.
   static float value(const scenes::Image& image, const char* channel, int x, int y) {
     const scenes::Plane& plane = *image.find(channel);
     const auto i = static_cast<size_t>((height - 1 - y) * width + x);
@@ -92,7 +91,7 @@ TEST_F(Thin, PointsFillThePixelThatTheyLieIn) {
   }
 }
 
-// Flat and steep ones, both ways: a pixel a column or row, and the last one belongs to the next line.
+// Flat and steep lines in both directions have one pixel in each column or row; the last one belongs to the next line.
 TEST_F(Thin, LinesLeaveDiamonds) {
   Drawing d;
   d.add(1, {2.5f, 10.5f, 0, 22.5f, 10.5f, 0, /**/ 30.5f, 2.5f, 0, 30.5f, 42.5f, 0, /**/ 60.5f, 45.5f, 0, 40.5f, 35.5f, 0},
@@ -111,7 +110,7 @@ TEST_F(Thin, LinesLeaveDiamonds) {
 
 TEST_F(Thin, StripsAndLoopsJoin) {
   const std::vector<float> corners = {10.5f, 10.5f, 0, 30.5f, 10.5f, 0, 30.5f, 30.5f, 0, 10.5f, 30.5f, 0};
-  // Drivers may leave out a pixel where a line ends in the middle of one.
+  // Drivers may omit a pixel where a line ends in its middle.
   const auto slack = [](const std::string& way) { return way == "none" ? 0 : 3; };
   for (const auto& [mode, pixels] : {std::pair(1, 40), std::pair(2, 80), std::pair(3, 60)}) {
     Drawing d;
@@ -121,7 +120,7 @@ TEST_F(Thin, StripsAndLoopsJoin) {
   }
 }
 
-// Colours of vertices go along; surfaces before a line hide it, and it hides those behind it.
+// Lines interpolate vertex colours, are hidden by surfaces in front, and hide those behind.
 TEST_F(Thin, DepthAndColoursAreTested) {
   Drawing d;
   json& line = d.add(1, {0.5f, 20.5f, 0, 63.5f, 20.5f, 0}, d.add_material(color(1, 1, 1)));
@@ -165,7 +164,7 @@ TEST_F(Thin, GlassLiesOverThem) {
     }
 }
 
-// With normals they are lit, and cut-outs have holes.
+// Lines with normals are lit, and cut-outs have holes.
 TEST_F(Thin, NormalsLightThemAndCutOutsHaveHoles) {
   Drawing d;
   d.gltf["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "directional"}, {"intensity", 3.14159265}}};
@@ -174,7 +173,7 @@ TEST_F(Thin, NormalsLightThemAndCutOutsHaveHoles) {
   json matt = color(0.5f, 0.5f, 0.5f);
   matt["extensions"]["KHR_materials_specular"] = {{"specularFactor", 0}};
   json& lit = d.add(1, {0.5f, 10.5f, 0, 63.5f, 10.5f, 0}, d.add_material(matt));
-  // Toward the light, and 60 degrees from it.
+  // One normal faces the light, the other is 60 degrees from it.
   lit["attributes"]["NORMAL"] = accessor_of(d.gltf, {0, 0, 1, 0, 0, 1}, 3);
   json& turned = d.add(1, {0.5f, 20.5f, 0, 63.5f, 20.5f, 0}, 0);
   turned["attributes"]["NORMAL"] = accessor_of(d.gltf, {0, 0.8660254f, 0.5f, 0, 0.8660254f, 0.5f}, 3);
@@ -192,7 +191,7 @@ TEST_F(Thin, NormalsLightThemAndCutOutsHaveHoles) {
   }
 }
 
-// A fan of lines in all directions and many points, in perspective: almost all pixels are the same.
+// Both ways draw almost the same pixels of a fan of lines and many points in perspective.
 TEST_F(Thin, BothWaysShowTheSame) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL";
   Drawing d;

@@ -1,4 +1,4 @@
-// --truth and the channels of ground truth: files that agree with each other.
+// Tests that the files of --truth and the channels of ground truth agree.
 #include <set>
 
 #include "cli/program.h"
@@ -31,7 +31,7 @@ std::vector<bool> decoded_counts(const json& mask) {
   return pixels;
 }
 
-// A part of a picture has the larger one's lens and a principal point of its own.
+// A part of a picture has the whole's lens and its own principal point.
 TEST_F(Truth, APartOfACalibratedPictureIsThatPart) {
   render("solids -o whole.exr --size 48x32 --gl none --aov first --truth whole.json --intrinsics 40,30,22.5,17.25 --stats s.json");
   EXPECT_EQ(json::parse(text_of(path("s.json")))["config"]["intrinsics"], "40,30,22.5,17.25");
@@ -54,7 +54,7 @@ TEST_F(Truth, APartOfACalibratedPictureIsThatPart) {
   EXPECT_GE(seen.size(), 3u) << "nothing to see in the part";
 }
 
-// The lens belongs to the picture, also where its camera is moved by an animation or comes from a file.
+// The lens options also apply to cameras that an animation moves or that a file gives.
 TEST_F(Truth, AFlightKeepsItsLens) {
   render("bistro -o f.####.png --frames 0-2 --size 16x9 --gl none --camera dolly --translucency off --shadows off "
          "--intrinsics 12,14,9,3 --truth t.####.json");
@@ -126,7 +126,7 @@ TEST_F(Truth, SequencesHaveAFileAFrame) {
   EXPECT_EQ(last["images"][0]["id"], 2);
   EXPECT_EQ(last["images"][0]["file_name"], "m.2.exr");
   EXPECT_NE(first["annotations"], last["annotations"]);
-  // What is missing is made again, and the same.
+  // A missing file is made again, with the same content.
   const std::string before = text_of(path("m.1.json"));
   fs::remove(path("m.1.json"));
   render(scene + "-o m.#.exr --truth m.#.json --resume");

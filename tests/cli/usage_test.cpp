@@ -27,7 +27,7 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-// Of a help: the switches, in their order.
+// Returns the switches in a help text, in their order.
 std::vector<std::string> switches_of(const std::string& help) {
   std::vector<std::string> names;
   for (const std::string& line : lines_of(help))
@@ -49,7 +49,7 @@ TEST_F(Usage, HelpOfRenderIsReadInAMinute) {
   EXPECT_NE(help.find("--diagnose NAME=VALUE"), std::string::npos);
 }
 
-// What the table has, the program reads: as a switch of its own or by --diagnose.
+// The program reads every option of the table, as a switch or by --diagnose.
 TEST_F(Usage, TheLongHelpAndTheDiagnosticsAreTheWholeTable) {
   const std::vector<std::string> brief = switches_of(run("render --help").output),
                                  all = switches_of(run("render --help-all").output);
@@ -308,7 +308,7 @@ TEST_F(Usage, AFullStandardOutputFails) {
   const Outcome outcome = run("make --list >/dev/full 2>stderr.txt #");
   EXPECT_EQ(outcome.exit_code, failed);
   EXPECT_TRUE(outcome.errors.starts_with("sideray: standard output: ")) << outcome.errors;
-  // Longer than what is buffered.
+  // The output is longer than the buffer.
   const Outcome plan = run("plan panes --size 16x16 --json >/dev/full 2>stderr.txt #");
   EXPECT_EQ(plan.exit_code, failed);
   EXPECT_NE(plan.errors.find("sideray: standard output: "), std::string::npos) << plan.errors;

@@ -16,7 +16,7 @@ PROGRAM, SOURCE = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
 SLURM = SOURCE / "script/slurm"
 BATCH = SOURCE / "examples/cluster/sideray.sbatch"
 NODES = 4
-# With these options no frame depends on those before it: of plants in wind, and of a camera that moves.
+# With these options no frame depends on earlier ones: frames of plants in wind, and of a moving camera.
 ALONE = "--size 96x54 --fps 30 --taa off --denoise off --cull-angle 0".split()
 FOREST, BISTRO = ["forest?count=200", *ALONE], ["bistro", "--camera", "dolly", *ALONE]
 LONGEST_WAIT = 300  # seconds, for a requeued task too
@@ -124,7 +124,7 @@ def mount_faults(folder):
         run(SLURM, "boot", "slurm", node)
     for node in ("n2", "n3"):
         wait_until(lambda: "idle" in run("sinfo", "-h", "-n", node, "-o", "%T"), f"{node} comes up")
-    # Slurm knows dead nodes as idle for a while: they are asked.
+    # Slurm lists dead nodes as idle for a while, so a task runs on each.
     check("tmpfs" in run("srun", "-w", "n2", "stat", "-f", "-c", "%T", at), "n2 has no small disk")
     check("Read-only" in run("srun", "-w", "n3", "sh", "-c", f"touch {at}/x 2>&1; true"), "n3 may write")
 

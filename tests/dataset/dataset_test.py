@@ -100,7 +100,7 @@ def check_bop(folder):
     for i, (pose, info, annotation) in enumerate(zip(poses, infos, of_glasses)):
         assert list(glassware.SHAPES)[pose["obj_id"] - 1] == annotation["name"].rsplit("_", 1)[0]
         mask, visible = (image(scene, kind, f"000004_{i:06d}.png") > 0 for kind in ("mask", "mask_visib"))
-        # Rays of the wider canvas are not the same bits.
+        # Rays of the wider canvas differ in bits.
         assert (mask != decoded(annotation["amodal_segmentation"])).sum() <= 2
         assert (visible != decoded(annotation["segmentation"])).sum() <= 2
         x, y, depth = k @ np.array(pose["cam_t_m2c"]) / [1, 1, 1]

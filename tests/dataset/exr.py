@@ -35,7 +35,7 @@ def _channels(data):
 
 def _unpacked(block, size):
     if len(block) == size:
-        return block  # it did not get shorter
+        return block  # stored uncompressed: ZIP would not shrink it
     raw = np.frombuffer(zlib.decompress(block), np.uint8)
     # Each byte is the difference to the one before, and even bytes come before odd ones.
     values = (np.cumsum(raw.astype(np.int64)) - 128 * np.arange(len(raw))).astype(np.uint8)

@@ -70,7 +70,7 @@ def link_faults(page, pages):
 
 
 def fence_faults(page):
-    """A block that does not end where it seems to hides all links and code behind it."""
+    """An unclosed block would hide all links and code after it."""
     inside = False
     for number, line in enumerate(page.text.splitlines(), 1):
         if line.lstrip().startswith("```"):
@@ -180,7 +180,7 @@ def python_faults(page):
 
 
 def version_faults(root):
-    """The version stands in base.h; what is read without it repeats it."""
+    """The version is in base.h, and repeated in files that are read without it."""
     header = (root / "include/sideray/base.h").read_text()
     major, minor, patch = (re.search(rf"SIDERAY_VERSION_{part} (\d+)", header)[1] for part in ("MAJOR", "MINOR", "PATCH"))
     repeats = {"CITATION.cff": (r"^version: (\S+)", f"{major}.{minor}.{patch}"), "CHANGELOG.md": (r"^## (\S+)", f"{major}.{minor}.{patch}"),

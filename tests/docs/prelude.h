@@ -1,4 +1,4 @@
-/* What an engine has before it meets Sideray: the names that the documents' code refers to. C99 and C++20. */
+/* Declares the engine's names to which code in the documents refers. C99 and C++20. */
 #include <sideray/diagnostics.h>
 #include <sideray/plan.h>
 #include <sideray/scenes.h>

@@ -9,7 +9,7 @@ CallCounts counts;
 thread_local bool driver = false;
 GladGLContext real;
 
-// How often a fence is asked depends on how long something takes.
+// Leaves out polls of fences, whose number depends on time.
 bool counts_as_call(const void* entry) {
   return entry != reinterpret_cast<const void*>(real.ClientWaitSync);
 }
@@ -32,7 +32,7 @@ struct Counted<Entry, Makes> {
       return result;
     }
   }
-  // Gen* take how many; CreateProgram nothing, CreateShader its kind.
+  // Returns the number of made objects, by the call's arguments: Gen* take it, CreateProgram and CreateShader do not.
   static uint64_t made() { return 1; }
   static uint64_t made(GLenum) { return 1; }
   template <typename Names>

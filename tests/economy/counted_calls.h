@@ -1,5 +1,5 @@
-// Counts OpenGL calls by putting a function of its own before each entry point that the library uses; an entry point
-// that is missing here is null, and calling it ends the program. One thread.
+// Counts OpenGL calls by wrapping each entry point that the library uses. Entry points without a wrapper are null, so
+// that calling one crashes. One thread.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,10 @@ struct CallCounts {
 };
 
 CallCounts call_counts();
-// Whether this thread is inside an OpenGL call: what the driver allocates there is its own affair.
+// Returns whether this thread is inside an OpenGL call, where allocations are the driver's.
 bool in_driver();
 
-// The entry points stay those of the one context that this was last called for.
+// Wraps the entry points of a context. Wrappers call the context for which this was last called.
 void count_calls(gl::Functions& functions);
 
 }  // namespace sideray::tests

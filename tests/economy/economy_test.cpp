@@ -1,5 +1,5 @@
-// What a picture costs that has nothing to trace: no more than a rasterizer's. Counted in OpenGL calls, objects and
-// heap allocations, of a renderer's first picture and of later ones.
+// Tests that a picture with nothing to trace costs no more than a rasterizer's, in OpenGL calls, objects and heap
+// allocations, for a renderer's first picture and for later ones.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ void* allocate(size_t bytes) {
 void* operator new(size_t bytes) {
   return allocate(bytes);
 }
-void* operator new(size_t bytes, const std::nothrow_t&) noexcept {  // std::stable_sort takes its memory so
+void* operator new(size_t bytes, const std::nothrow_t&) noexcept {  // std::stable_sort uses it
   if (!sideray::tests::in_driver()) ++allocations;
   return std::malloc(std::max<size_t>(bytes, 1));
 }
@@ -56,16 +56,16 @@ class Stage {
                                         : content.cameras.front().camera) {
     auto context = gl::Context::create("auto", "");
     count_calls(const_cast<gl::Functions&>(context->functions()));
-    // One thread: which of several takes a piece of work first decides whose scratch memory grows.
+    // With several threads, whose scratch memory grows would depend on which of them takes a piece of work first.
     renderer_ = std::make_unique<bridge::Renderer>(std::move(context), rt::TracerConfig{.threads = 1, .isa = ""});
     const scenes::Sky sky = scenes::sky();
     if (has_sky) scene_.set_environment(sky.width, sky.height, sky.rgb.data(), 1.0f, 0.0f);
     scenes::fill(scene_, content, scenes::select_ray_traced(content, selection, camera_, 1280, 720));
   }
 
-  // What one picture costs, its pixels read back included.
+  // Returns the cost of one picture with its readback.
   Cost draw(const RenderOptions& options) { return draw(*this, options); }
-  // What a picture of another stage's scene costs this one's renderer.
+  // Returns the cost of a picture of another stage's scene in this renderer.
   Cost draw(Stage& shown, const RenderOptions& options) {
     const CallCounts calls = call_counts();
     const uint64_t allocated = allocations;
@@ -100,7 +100,7 @@ void expect_within(uint64_t test, uint64_t raster, const char* what) {
   EXPECT_LE(static_cast<double>(test), 1.03 * static_cast<double>(raster)) << what;
 }
 
-// First and later pictures of two renderers, each with options of its own.
+// Compares first and later pictures of two renderers with different options.
 void expect_no_more(Stage& test, const RenderOptions& test_options, Stage& raster,
                     const RenderOptions& raster_options, const char* what) {
   sideray_option_count();  // makes the table that options are checked by, once a process
@@ -143,7 +143,7 @@ TEST(Economy, RasterOfWhatCouldBeTracedCostsNoMoreThanOfWhatCannot) {
   expect_no_more(marked, options, plain, options, "panes, raster, marked");
 }
 
-// What auto leaves out, since the scene has no use for it, costs what `off` does.
+// Options that auto disables cost as little as `off`.
 TEST(Economy, OpaqueRaysThatAreLeftOutCostNothing) {
   const scenes::Content content = scenes::generate("panes", {});
   Stage automatic(content, "none", false), off(content, "none", false);
@@ -152,7 +152,7 @@ TEST(Economy, OpaqueRaysThatAreLeftOutCostNothing) {
   expect_no_more(automatic, left, off, options_of(SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_SHADOWS_MAP), "panes, auto");
 }
 
-// Of a later picture's shadow maps only the state is set that drawing into them takes.
+// Later pictures reuse shadow maps: scenes in turn cost no more than each alone, apart from setting state.
 TEST(Economy, ScenesInTurnCostWhatEachCostsAlone) {
   Stage one(scenes::generate("solids", {})), other(scenes::generate("solids", {}));
   const RenderOptions options = options_of(SIDERAY_TRANSLUCENCY_HYBRID, SIDERAY_SHADOWS_MAP);

@@ -1,4 +1,4 @@
-// The functions are right, by the C library in more precision, and give no other bits than those that were recorded.
+// Compares the functions with the C library in higher precision, and their bits with recorded ones.
 #include "elementary/functions.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-// A prime, so that all exponents and, over them, all patterns of the mantissa come.
+// A prime, so that samples cover all exponents and all patterns of the mantissa.
 constexpr uint64_t sample_step = 40009;
 
 class OfOneNumber : public testing::TestWithParam<Function> {};
@@ -47,8 +47,8 @@ uint64_t count_wrong_powers(float exponent, uint32_t step) {
   return wrong;
 }
 
-// The exponents of the curves by which pictures are encoded (model/environment.h, model/texture.cpp), and of shapes
-// and textures of the built-in scenes.
+// Holds an exponent of an encoding curve (model/environment.h, model/texture.cpp), or of shapes and textures of the
+// built-in scenes.
 struct Exponent {
   float value;
   uint64_t wrong;  // of all floats
@@ -64,7 +64,7 @@ TEST(SlowPower, IsTheNearestFloatForAll) {
     EXPECT_EQ(count_wrong_powers(exponent.value, 1), exponent.wrong) << exponent.value;
 }
 
-// Pairs of all floats, which mostly overflow, and of those that mostly do not.
+// Counts wrong results for pairs of any floats, most of which overflow, and for pairs that mostly do not.
 uint64_t count_wrong_pairs(uint64_t count) {
   std::mt19937_64 random(1);
   uint64_t wrong = 0;
@@ -123,7 +123,7 @@ TEST(Elementary, HasTheSpecialValuesOfTheStandard) {
     }
 }
 
-// In units of the last place of the long double result.
+// Returns the error in units in the last place of the wanted result.
 double units(double ours, long double wanted) {
   const double place = std::ldexp(1.0, std::ilogb(static_cast<double>(wanted)) - 52);
   return static_cast<double>(std::abs(ours - wanted)) / place;
@@ -154,8 +154,8 @@ TEST(Elementary, IsRightInDoublePrecision) {
   EXPECT_NEAR(elementary::log(0x1p-1070), -1070 * 0.69314718055994531, 1e-10);
 }
 
-// The bits themselves, of a walk through all functions: whoever changes a core sees it here first, and learns that every
-// picture's digest changes with it (tests/golden/rays_alone.json).
+// Hashes the bits of samples of all functions. A change of a core fails here first; it changes the digest of every
+// picture too (tests/golden/rays_alone.json).
 TEST(Elementary, HasTheBitsThatWereRecorded) {
   uint64_t hash = 14695981039346656037u;
   for (const Function& function : functions)

@@ -1,5 +1,5 @@
-// References for the elementary functions: the float nearest to the truth, by the C library in double and, where that is
-// too near to the middle between two floats to tell, in long double.
+// Makes references for the elementary functions: the float nearest to the truth, by the C library in double, or in long
+// double where the result is too near the middle between two floats.
 #pragma once
 
 #include <cmath>
@@ -10,7 +10,7 @@ namespace sideray::elementary_tests {
 using OfOne = double (*)(double);
 using OfOneLong = long double (*)(long double);
 
-// Returns the float nearest to the truth; `value` is right to 2^-51 of itself, `more` to 2^-62.
+// Returns the float nearest to the truth; the relative error of `value` is 2^-51, that of `more` 2^-62.
 template <typename More>
 float nearest_float(double value, const More& more) {
   if (std::isnan(value)) return static_cast<float>(value);
@@ -18,7 +18,7 @@ float nearest_float(double value, const More& more) {
   return low == high ? low : static_cast<float>(more());
 }
 
-// Says whether two results are the same, where all NaN and both zeros are.
+// Returns whether two results are the same; all NaN are, and both zeros.
 inline bool same(float a, float b) {
   return a == b || (std::isnan(a) && std::isnan(b));
 }
@@ -33,8 +33,8 @@ struct Function {
 
 extern const Function functions[10];
 
-// Counts the floats, of every `step`-th pattern of bits from `first` on, for which ours is not the nearest float; `off`
-// gets how many of those are off by more than a unit in the last place.
+// Counts the floats, of every `step`-th bit pattern from `first` on, for which our result is not the nearest float.
+// `off` gets the number of those that differ by more than one unit in the last place.
 uint64_t count_wrong(const Function& function, uint32_t first, uint64_t step, uint64_t& off);
 
 }  // namespace sideray::elementary_tests

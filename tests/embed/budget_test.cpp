@@ -1,5 +1,5 @@
-// A host gives its frames a budget: every job goes on in every frame, what has no turn shows what it showed before, and views
-// share the time of a frame.
+// Tests hosts with a budget: every job continues in every frame, pieces without a turn show older results, and views
+// share a frame's time.
 #include <gmock/gmock.h>
 #include <sideray/diagnostics.h>
 
@@ -63,7 +63,7 @@ TEST_F(Budget, ThatIsAmpleChangesNoBit) {
   EXPECT_EQ(SmallHost::difference(host_.texels(*newest_outputs(service.get(), 0)), whole), "");
 }
 
-// However small it is, a view that stands still is answered whole in the end, in all of its jobs.
+// Under any budget, all jobs of a still view are complete in the end.
 TEST_F(Budget, ThatIsTooSmallLetsEveryJobGoOn) {
   sideray::Service service = sideray::Service::create(tracer_, host_.loader()).value();
   FrameInputs in = inputs(false);
@@ -89,7 +89,7 @@ TEST_F(Budget, ThatIsTooSmallLetsEveryJobGoOn) {
   EXPECT_EQ(SmallHost::difference(host_.texels(*newest_outputs(service.get(), 0)), whole), "");
 }
 
-// In pieces instead of milliseconds, bits depend on inputs alone.
+// With a budget in pieces instead of milliseconds, bits depend on inputs alone.
 TEST_F(Budget, InPiecesHasTheSameBitsForAnyThreads) {
   std::vector<std::vector<uint8_t>> answers[3];
   const uint32_t threads[] = {1, 2, 5};
@@ -134,7 +134,7 @@ double ms(FrameBudget::Clock::duration d) {
   return std::chrono::duration<double, std::milli>(d).count();
 }
 
-// Sixteen views submitted together end together; the next frame of one has a time of its own.
+// Sixteen views submitted together share one deadline; a view's next frame has its own.
 TEST(FrameBudgets, AreSharedByViews) {
   FrameBudget budget;
   const FrameBudget::Time end = budget.begin(0, 1000.0);
@@ -142,7 +142,7 @@ TEST(FrameBudgets, AreSharedByViews) {
   EXPECT_GT(budget.begin(3, 1000.0), end);
 }
 
-// Rays stop in time for what was seen to come behind them.
+// Rays stop early enough for the later stages, as measured before.
 TEST(FrameBudgets, KeepTimeForWhatComesBehindRays) {
   FrameBudget budget;
   const std::array<bool, bridge::job_count> alone{};

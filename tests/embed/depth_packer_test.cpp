@@ -1,4 +1,4 @@
-// Depth and stencil that a compute shader packs are the words that the driver packs, wherever a host keeps them.
+// Tests that a compute shader packs depth and stencil into the driver's words, for every place where hosts keep them.
 #include "bridge/transport/depth_packer.h"
 
 #include <EGL/egl.h>
@@ -19,10 +19,10 @@ namespace {
 
 constexpr int width = 83, height = 61;
 constexpr uint32_t largest_depth = 0xffffff;
-// Up to here llvmpipe gives shaders each depth exactly, and the largest besides.
+// Up to this depth, and for the largest one, llvmpipe gives shaders exact values.
 constexpr uint32_t always_exact = 0x600000;
 
-// A source and what of it is read.
+// Holds the rectangle that is read from a source.
 struct Area {
   int x, y, width, height;
 };
@@ -72,7 +72,7 @@ sideray_frame_source source_of(uint32_t framebuffer) {
   return source;
 }
 
-// The host's images, all filled with the same words.
+// Holds the host's images, all filled with the same words.
 class Images {
  public:
   Images(const gl::Functions& gl, const std::vector<uint32_t>& words) : gl_(gl) {
@@ -127,7 +127,8 @@ class Images {
     gl_.ReadBuffer(GL_NONE);
     EXPECT_EQ(gl_.CheckFramebufferStatus(GL_FRAMEBUFFER), GLenum{GL_FRAMEBUFFER_COMPLETE});
   }
-  // OpenGL copies no single samples to several: the multisampled one has one depth and one stencil value.
+  // OpenGL cannot copy single-sampled images to multisampled ones, which therefore have one depth and one stencil
+  // value.
   void fill_renderbuffer(const gl::Framebuffer& framebuffer, const gl::Renderbuffer& renderbuffer, int samples) const {
     gl_.BindRenderbuffer(GL_RENDERBUFFER, renderbuffer.id());
     gl_.RenderbufferStorageMultisample(GL_RENDERBUFFER, samples, GL_DEPTH24_STENCIL8, width, height);
@@ -218,7 +219,7 @@ TEST_P(DepthPacking, IsExactForEachDepthWhereItSaysSo) {
   EXPECT_EQ(read(gl(), source, {0, 0, side, side}, false, packer_.get()), words);
 }
 
-// The frame's own target: that of a window, which no shader can sample.
+// Packs the default framebuffer of a window, which no shader can sample.
 TEST(DepthPackingOfAWindow, GivesTheWordsOfTheDriver) {
   std::unique_ptr<Offscreen> window;
   try {
@@ -242,7 +243,7 @@ TEST(DepthPackingOfAWindow, GivesTheWordsOfTheDriver) {
   EXPECT_EQ(gl.GetError(), GLenum{GL_NO_ERROR});
 }
 
-// What it does not pack, the driver does.
+// The driver packs other formats.
 TEST_P(DepthPacking, LeavesOtherFormatsToTheDriver) {
   const gl::Texture texture(gl());
   gl().BindTexture(GL_TEXTURE_2D, texture.id());

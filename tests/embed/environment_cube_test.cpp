@@ -1,4 +1,4 @@
-// Six faces of a cube map as an environment: toward each direction is what the driver's own samplerCube reads there.
+// Tests a cube map as environment: in each direction it equals the driver's samplerCube.
 #include <gmock/gmock.h>
 
 #include "bridge/api/environment_cube.h"
@@ -13,7 +13,7 @@ struct Faces {
   std::array<std::vector<float>, 6> texels;
   std::array<const float*, 6> pointers{};
 
-  // Each face has a colour of its own, and runs from one corner to the other.
+  // Each face has its own colour, in a gradient from corner to corner.
   Faces() {
     for (size_t face = 0; face < 6; ++face) {
       for (uint32_t y = 0; y < side; ++y)
@@ -59,7 +59,7 @@ TEST(EnvironmentCube, IsWhatTheDriverReads) {
       for (int c = 0; c < 3; ++c) off = std::max(off, std::abs(here[c] - read_there[c]));
       equal += off < 0.02f;
     }
-  // Where faces meet, ours is a mean over the texel.
+  // Where faces meet, our texel is a mean.
   EXPECT_GT(equal, size_t{ours.width} * ours.height * 85 / 100);
   gl.BindTexture(GL_TEXTURE_CUBE_MAP, 0);
   gl.Disable(GL_TEXTURE_CUBE_MAP_SEAMLESS);

@@ -1,5 +1,5 @@
-// The host's shader inside a service: on which thread and inside which call it runs, that nothing hangs while it is
-// asked for, what does not go with it.
+// Tests the host's shader inside a service: its threads and calls, that nothing hangs while it is awaited, and
+// unsupported inputs.
 #include <gmock/gmock.h>
 
 #include <atomic>
@@ -18,7 +18,7 @@ using std::chrono::milliseconds;
 
 constexpr float radiance[3] = {0.5f, 1.5f, 0.25f};
 
-// A shader that says which thread it ran on, and whether the host was inside a call of Sideray then.
+// A shader that records its thread, and whether the host was inside a call of Sideray.
 struct Shader {
   std::atomic<bool> in_call{false}, hold{false};
   std::atomic<uint32_t> begun{0}, ended{0}, outside{0};
@@ -61,14 +61,14 @@ class HostShading : public testing::Test {
     const FrameInputs in = host_.inputs();
     return host_.service().submit(in).value();
   }
-  // advance() until something of the frame waits for the host, and a while more: it does not go on by itself.
+  // Calls advance() until part of the frame waits for the host, and a while longer: it must not continue by itself.
   void let_batches_wait() {
     shader_.in_call = true;
     host_.service().advance();
     shader_.in_call = false;
     std::this_thread::sleep_for(milliseconds(30));
   }
-  // Of the pane's middle, as the cache holds it.
+  // Returns the cached value in the pane's middle.
   glm::vec4 seen() {
     const auto out = host_.service().layers().value();
     host_.gl.BindTexture(GL_TEXTURE_2D_ARRAY, out.radiance_texture);
@@ -94,7 +94,7 @@ TEST_F(HostShading, RunsOnWorkersWhereNothingElseIsSaid) {
   EXPECT_EQ(stats.points_not_finite, 0u);
 }
 
-// Its values are the layers', whatever the frame's inputs say of spaces.
+// Layers get the shader's values unchanged, in any colour space of the inputs.
 TEST_F(HostShading, IsHandedOnAsItIs) {
   use(SIDERAY_SHADE_ON_WORKERS);
   FrameInputs in = host_.inputs();
@@ -181,7 +181,7 @@ class SecondService {
   sideray::Service service_;
 };
 
-// Both of its frames wait: one for the host, one for the tracer.
+// One frame waits for the host, one for the tracer.
 TEST_F(HostShading, DestroyEndsWhatWaitsForTheHost) {
   use(SIDERAY_SHADE_IN_CALLS);
   submit();
@@ -277,7 +277,7 @@ TEST_F(HostShading, IsReleasedWhenNoFrameHasIt) {
   EXPECT_EQ(released, 1);
 }
 
-// However late the host comes, what has begun before the deadline is finished, so that every frame brings new answers.
+// Pieces begun before the deadline are finished however late the host calls, so that every frame has new answers.
 TEST_F(HostShading, ALateFrameHasTheAnswersThatItHasBegun) {
   use(SIDERAY_SHADE_IN_CALLS);
   FrameInputs in = host_.inputs();
@@ -290,7 +290,7 @@ TEST_F(HostShading, ALateFrameHasTheAnswersThatItHasBegun) {
   EXPECT_LT(host_.service().stats(ticket).pixels_late, uint64_t{GlassHost::width} * GlassHost::height);
 }
 
-// A view that stands still is answered whole after about as many frames as it has pieces, at most.
+// A still view is complete after at most about as many frames as it has pieces.
 TEST_F(HostShading, EveryPixelIsAnsweredAfterSomeLateFrames) {
   const sideray_light lamp = sideray_light_defaults();
   host_.scene().set_lights({&lamp, 1});
@@ -310,7 +310,7 @@ TEST_F(HostShading, EveryPixelIsAnsweredAfterSomeLateFrames) {
   EXPECT_EQ(without, 0u);
 }
 
-// Whatever a frame asks for, reflections of opaque surfaces and masks among it.
+// For every kind of job, also reflections of opaque surfaces and masks.
 TEST(HostShadingOfAnyFrame, IsTheSameInCallsAndOnWorkers) {
   Shader shader;
   SmallHost host(gl::Context::create("auto", ""));

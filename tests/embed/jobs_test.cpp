@@ -1,5 +1,5 @@
-// The jobs of a frame, each with a completion of its own: masks are there while layers are still traced, and what
-// becomes of one job says nothing of another.
+// Tests that the jobs of a frame finish separately: masks are ready while layers are still traced, and a job's failure
+// does not affect others.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -14,7 +14,7 @@ namespace {
 constexpr uint32_t masks_job = SIDERAY_JOB_MASKS, layers_job = SIDERAY_JOB_LAYERS;
 constexpr uint32_t reflections_job = SIDERAY_JOB_REFLECTIONS, all_jobs = masks_job | layers_job | reflections_job;
 
-// A host's shader that layers and reflections wait for, as long as it is held.
+// A host's shader that, while held, keeps layers and reflections waiting.
 struct HeldShader {
   std::atomic<bool> hold{false};
 
@@ -45,7 +45,7 @@ class Jobs : public testing::Test {
     host_.context().take_errors();
   }
 
-  // Asks for everything that bind() sets up.
+  // Returns a program that uses everything that bind() sets.
   gl::Program program() const {
     return {host_.gl, "jobs", "#version 330\nvoid main() { gl_Position = vec4(0.0); }\n",
             std::string("#version 330\n") + sideray_glsl(330) +
@@ -86,7 +86,7 @@ class Jobs : public testing::Test {
   static sideray_ticket ticket_of(const std::optional<Outputs>& outputs) {
     return outputs ? outputs->ticket : 0;
   }
-  // Texels of all three kinds, of a frame that nothing held up.
+  // Holds texels of all three kinds from an undisturbed frame.
   struct Whole {
     std::vector<uint8_t> layers, masks, reflections;
   };
@@ -164,7 +164,7 @@ TEST_F(Jobs, OfAFrameThatIsCancelledStayWhereTheyWereUploaded) {
   EXPECT_EQ(next.layers == whole.layers && next.masks == whole.masks && next.reflections == whole.reflections, true);
 }
 
-// A frame's jobs go on where one of them cannot be uploaded.
+// A frame's jobs continue where one of them cannot be uploaded.
 TEST_F(Jobs, FailAlone) {
   const FrameInputs in = inputs("reflections and layers");
   FrameInputs with_masks = in;
@@ -209,7 +209,7 @@ TEST_F(Jobs, ThatFailLeaveThoseUploadedBefore) {
   EXPECT_EQ(texels(out.layers) == whole.layers && texels(out.masks) == whole.masks, true);
 }
 
-// A host that draws with what is there: masks of this frame, layers of the one before, of another rectangle.
+// The host draws with masks of this frame and layers of the previous one, of another rectangle.
 TEST_F(Jobs, OutputsOfDifferentFramesAreBoundTogether) {
   FrameInputs in = inputs();
   whole_frame(in);
@@ -241,8 +241,8 @@ TEST_F(Jobs, OutputsOfDifferentFramesAreBoundTogether) {
   EXPECT_EQ(newest().layers->x, 8);
 }
 
-// Three frames in flight: each job's outputs come in the order of the tickets, and none is of a later frame than the
-// job before it in the same frame.
+// With three frames in flight, each job's outputs come in the order of tickets, and no job is ahead of the jobs before
+// it.
 TEST_F(Jobs, OfSeveralFramesComeInOrder) {
   const FrameInputs in = inputs();
   const Whole whole = whole_frame(in);
@@ -304,7 +304,7 @@ TEST_F(Jobs, ThatAskForNothingAreRefusedByName) {
   EXPECT_EQ(sideray_service_finished_jobs(service_, 77, &jobs, nullptr), SIDERAY_INVALID_ARGUMENT);
 }
 
-// Behind the masks of single lights; the snippet finds it for lights from number 32 on.
+// The combined mask follows those of single lights; the snippet finds it for lights from number 32 on.
 TEST_F(Jobs, CombinedLightsHaveAMaskOfTheirOwn) {
   std::vector<sideray_light> lights(40);
   for (sideray_light& light : lights) {
@@ -330,7 +330,7 @@ TEST_F(Jobs, CombinedLightsHaveAMaskOfTheirOwn) {
   GLint combined = -1;
   host_.gl.GetUniformiv(program_.id(), program_.uniform("sideray_combined_layer"), &combined);
   EXPECT_EQ(combined, 3);
-  // All lights are one light: where its own mask is dark the combined one is, but for the filters.
+  // All lights are equal: the combined mask is dark where a single one is, apart from filters.
   in.masks->denoise = 0;
   ASSERT_EQ(wait(submit(in), all_jobs), SIDERAY_OK);
   const std::vector<uint8_t> texels = host_.texels(newest().masks.value());

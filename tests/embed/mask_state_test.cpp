@@ -1,4 +1,4 @@
-// Masks traced and uploaded amid a host's state: it stays as it was, and has no influence.
+// Tests that masks neither change the host's state nor depend on it.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr int width = 80, height = 48;
 
-// A wall at z = 0 and a plate that throws a soft shadow on it.
+// Returns a wall at z = 0 and a plate that casts a soft shadow on it.
 sideray::Scene wall_and_plate() {
   sideray::Scene scene = sideray::Scene::create().value();
   sideray_material_desc white = sideray_material_defaults();
@@ -98,8 +98,7 @@ class MaskState : public testing::Test {
     shaker_->shake_buffers(), shaker_->shake_draw();
   }
 
-  // The masks of two frames that follow each other, under a host that changes its state all the time; seed 0: a still
-  // one.
+  // Returns the masks of two consecutive frames under random host state; seed 0 changes no state.
   std::vector<uint8_t> masks(uint32_t seed) {
     create_service();
     std::vector<uint8_t> result;
@@ -168,8 +167,7 @@ TEST_F(MaskState, UploadsLeaveNoTraceAndTakeNone) {
   for (uint32_t seed = 1; seed <= 4; ++seed) EXPECT_EQ(masks(seed), still) << seed;
 }
 
-// A host that looks at the same again and again: once its masks have settled, a frame takes no rays and moves no
-// texels.
+// In a still view, frames trace no rays and upload no texels once the masks have converged.
 TEST_F(MaskState, MasksOfWhatStandsStillAreNeitherTracedNorUploadedAgain) {
   create_service();
   std::vector<uint8_t> settled;

@@ -1,5 +1,5 @@
-// What a host gets told that makes a mistake: messages name what is wrong, nothing is changed, and its own picture shows
-// which fragments have no answer, and why.
+// Tests a host's mistakes: messages name them, nothing is changed, and the picture can show which fragments have no
+// answer and why.
 #include <gmock/gmock.h>
 
 #include <thread>
@@ -21,7 +21,7 @@ class Mistakes : public testing::TestWithParam<gl::Profile> {
     return submit_frame(host.service().get(), in, ticket, &error);
   }
 
-  // As GlassHost::draw(), but for the depth test.
+  // Draws as GlassHost::draw() does, but with the depth test.
   void draw_with_depth(const gl::Program& program) {
     gl.Enable(GL_DEPTH_TEST);
     program.use();
@@ -77,7 +77,7 @@ TEST_P(Mistakes, ARectangleBeyondATextureIsRefused) {
   EXPECT_EQ(sideray_service_wait(host.service().get(), ticket, -1, &error), SIDERAY_OK) << error.message;
 }
 
-// A frame that was submitted survives calls from where no context is current.
+// A submitted frame survives calls from threads without a context.
 TEST_P(Mistakes, AThreadWithoutContextIsToldSo) {
   sideray_service* const service = host.service().get();
   const gl::Program program = host.program(330, "vec3(1.0)");
@@ -118,7 +118,7 @@ TEST_P(Mistakes, StructsWithoutTheirSizeAreNamed) {
   EXPECT_THAT(error.message, AllOf(HasSubstr("host"), HasSubstr("sizeof"), testing::Not(HasSubstr("default"))));
 }
 
-// Of what is drawn, nothing lies where rays have surfaces: a wrong convention of depth says so in one number.
+// With a wrong depth convention no drawn point is on a surface of the scene, which one counter shows.
 TEST_P(Mistakes, ADepthConventionThatIsWrongIsCounted) {
   const sideray_material opaque = host.scene().add_material([] {
     sideray_material_desc desc = sideray_material_defaults();
@@ -183,12 +183,12 @@ TEST_P(Mistakes, TwoSurfacesOfOneNumberAreRefusedAtCommit) {
   EXPECT_EQ(sideray_scene_commit(host.scene().get(), &error), SIDERAY_INVALID_ARGUMENT);
   EXPECT_THAT(error.message, AllOf(HasSubstr("surface_id 5"), HasSubstr("instances 1 and 2")));
   host.trace(host.inputs());  // what was committed before
-  // They may change places on the way.
+  // Two instances may swap their ids.
   const uint32_t swapped[] = {6, 5};
   const sideray_instance both[] = {host.pane(), second};
   host.scene().renumber_instances(both, swapped);
   host.scene().commit();
-  // Surfaces that no fragment looks for may share numbers.
+  // Surfaces that have no fragments may share an id.
   twin.surface_id = 5, twin.visibility = SIDERAY_VISIBLE_REFLECTION;
   host.scene().add_instances({&twin, 1});
   twin.surface_id = 0, twin.visibility = SIDERAY_VISIBLE_ALL;
@@ -200,7 +200,7 @@ TEST_P(Mistakes, TwoSurfacesOfOneNumberAreRefusedAtCommit) {
 INSTANTIATE_TEST_SUITE_P(Profiles, Mistakes, testing::Values(gl::Profile::core, gl::Profile::compatibility),
                          [](const auto& p) { return p.param == gl::Profile::core ? "Core" : "Compatibility"; });
 
-// Reasons by colour and by count, in every GLSL.
+// Tests the reasons for missing answers by colour and by count, in every GLSL version.
 class Misses : public testing::TestWithParam<int> {
  protected:
   Misses() { host.attach(depth_); }
@@ -228,7 +228,7 @@ class Misses : public testing::TestWithParam<int> {
     }
     return counts;
   }
-  // How many fragments have this colour with SIDERAY_DEBUG.
+  // Counts the fragments of this colour with SIDERAY_DEBUG.
   size_t colored(glm::vec3 color, glm::vec3 offset = glm::vec3(0)) {
     const GlassHost::Picture picture = host.draw(debug_, GetParam(), GlassHost::clip_from_world(), offset);
     return static_cast<size_t>(std::count(picture.begin(), picture.end(), glm::vec4(color, 1)));

@@ -1,6 +1,6 @@
-// A host that shows the masks of the frame before: legs of a table in front of a floor, on which lies the shadow of its top.
-// Looked up at the pixel's own place, legs and floor take each other's masks along their outlines; sideray_find_masks() finds
-// where each surface was.
+// Tests a host that uses the masks of the previous frame: legs of a table in front of a floor with the shadow of its
+// top. At the same pixel, legs and floor would take each other's masks along their outlines; sideray_find_masks()
+// reprojects each surface.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -132,7 +132,7 @@ class MovingMasks : public testing::TestWithParam<Kind> {
             "void main() { result = " + result + "; }\n");
   }
 
-  // `walk`: how far the eye has gone to its right.
+  // `walk` is how far the eye has moved to the right.
   static glm::dmat4 clip_from_world(double walk) {
     const glm::dvec3 eye(1.5 + walk, 2.6, 5.6);
     const glm::dmat4 camera = glm::lookAt(eye, eye + glm::dvec3(-0.25, -0.34, -0.94), glm::dvec3(0, 1, 0));
@@ -141,7 +141,7 @@ class MovingMasks : public testing::TestWithParam<Kind> {
                                     : glm::perspective(0.8, aspect, 0.5, 40.0)) * camera;
   }
 
-  // Draws everything, where it is now; with positions of `before` where a program asks for them.
+  // Draws everything at its current place; `before` gives programs the previous positions.
   std::vector<Look> draw(const gl::Program& p, double walk, const std::vector<glm::vec3>& before) {
     const gl::Functions& gl = context_->functions();
     gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
@@ -195,7 +195,7 @@ class MovingMasks : public testing::TestWithParam<Kind> {
     scene_.move_instance(instances_[box], matrix);
     scene_.commit();
   }
-  // Where everything was in the frame whose masks are bound.
+  // Returns the positions of everything in the frame whose masks are bound.
   std::vector<glm::vec3> middles_of_masks() const {
     std::vector<glm::vec3> middles;
     for (const sideray_instance instance : instances_) {
@@ -205,8 +205,8 @@ class MovingMasks : public testing::TestWithParam<Kind> {
     return middles;
   }
 
-  // Counts pixels whose shadow, and that of all pixels around, is known from masks of this very frame, and those of them that a
-  // look differs in. `open`: by the ambient mask instead, which changes little from pixel to pixel.
+  // Counts pixels whose shadow, and that of their neighbours, is known from masks of this frame, and those that a
+  // lookup gets wrong. `open` uses the ambient mask instead, which changes little between pixels.
   struct Errors {
     size_t known = 0, wrong = 0, wrong_beside = 0, unanswered = 0;
   };
@@ -303,7 +303,7 @@ TEST_P(MovingMasks, FollowWhatMoves) {
   EXPECT_NEAR(middles_of_masks()[leg].x, middles_[leg].x, 1e-6);
   const std::vector<Look> truth = draw(*own_pixel_, 0.3, middles_);
   const Errors moving = compare(found, truth);
-  // The leg's own shadow on the floor is where it was: it is a frame late, and no fringe.
+  // The leg's own shadow on the floor is one frame late, which is no fringe.
   EXPECT_LT(moving.wrong, 700u);
   EXPECT_LT(moving.wrong_beside, 120u);
   const auto on_leg = [&](const std::vector<Look>& looks, int y) {

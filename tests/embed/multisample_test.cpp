@@ -1,5 +1,5 @@
-// Glass in targets of several samples a pixel: fragments at the edges of triangles are shaded beside them, and must find
-// their layers all the same.
+// Tests glass in multisampled targets: fragments at edges of triangles are shaded outside them, and must still find
+// their layers.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -46,7 +46,7 @@ Solid box(float turn = 0.5f, float tilt = 0.4f) {
   return solid;
 }
 
-// Draws one solid of glass that glows, into a target of `samples`; what has no answer is blue.
+// Draws an emissive solid of glass into a target of `samples`; fragments without an answer are blue.
 class SampledHost {
  public:
   static constexpr int width = GlassHost::width, height = GlassHost::height;
@@ -103,7 +103,7 @@ class SampledHost {
   struct Counts {
     size_t seen = 0, missed = 0;
   };
-  // `aware`: the snippet knows of the samples.
+  // `aware` says that the snippet is told of the samples.
   Counts count(bool aware, const std::string& answer = "sideray_translucent(vec3(0.0, 0.0, 1.0), world, id)",
                const std::string& functions = "") {
     begin();
@@ -207,7 +207,7 @@ TEST_P(Multisampled, GlassHasNoWireframe) {
   }
 }
 
-// Glass that bends covers all of its pixels: its fragments have their layers, and its other wall is hidden.
+// Refracting glass covers all of its pixels: its fragments have layers, and its back is hidden.
 TEST_P(Multisampled, GlassThatBendsHasNoWireframe) {
   if (!SampledHost::supports(GetParam())) GTEST_SKIP() << "no " << GetParam() << " samples here";
   for (const Solid& solid : {sphere(28, 20), box()}) {
@@ -220,7 +220,7 @@ TEST_P(Multisampled, GlassThatBendsHasNoWireframe) {
   }
 }
 
-// At a corner of an outline only the pixels along a diagonal may know what covers a sample.
+// At a corner of an outline, only diagonal neighbours may hold the surface that covers a sample.
 TEST(MultisampledCorners, HaveTheirLayers) {
   if (!SampledHost::supports(4)) GTEST_SKIP() << "no 4 samples here";
   size_t seen = 0;

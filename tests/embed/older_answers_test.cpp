@@ -1,5 +1,5 @@
-// What a host shows under a deadline: the answers of frames before, where it says that frames continue. A deadline that has
-// passed before any ray begins stands for one that is too short.
+// Tests older answers under a deadline, which frames that continue may show. A deadline that has passed before any ray
+// begins stands for one that is too short.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -69,7 +69,7 @@ TEST_F(OlderAnswers, MoveWithTheEye) {
     EXPECT_EQ(later.answer_age, static_cast<uint64_t>(f));
     const GlassHost::Picture seen = picture(x);
     EXPECT_GT(answered(seen), drawn(seen) * 9 / 10) << f;
-    // A pane that is elsewhere finds none of them.
+    // A pane that has moved finds no answers.
     EXPECT_EQ(answered(picture(x, {0, 0, 0.1f})), 0u);
   }
 }
@@ -82,7 +82,7 @@ TEST_F(OlderAnswers, AreNotThereBehindACut) {
   EXPECT_EQ(answered(picture()), 0u);
 }
 
-// Without a deadline nothing is kept, and every bit is that of a frame which follows none.
+// Without a deadline nothing is reused, and a frame has the bits of one without a history.
 TEST_F(OlderAnswers, AreForgottenWithoutADeadline) {
   frame(0.0f, false);
   const GlassHost::Picture first = picture();

@@ -1,4 +1,4 @@
-// A loader that notes what of the context's state is asked for: calls and names. One at a time; test support.
+// A loader that records queries of the context's state: calls and names. One at a time; test support.
 #pragma once
 
 #include <fmt/format.h>
@@ -20,7 +20,7 @@ class QueryCounter {
   QueryCounter& operator=(const QueryCounter&) = delete;
 
   sideray_host_gl host() { return {sizeof(sideray_host_gl), &get_proc_address, this}; }
-  // Since the last call of it.
+  // Returns the queries since its last call.
   std::set<std::string> take() { return std::exchange(asked_, {}); }
 
  private:

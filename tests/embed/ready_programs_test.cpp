@@ -1,4 +1,5 @@
-// Whole programs for hosts without shaders: the picture of the fixed function, and the service's answers in it.
+// Tests the ready programs for hosts without shaders: they draw the fixed function's picture with the service's
+// answers.
 #include <gmock/gmock.h>
 
 #include <glm/gtc/constants.hpp>
@@ -40,13 +41,13 @@ class OldHost : public testing::Test {
     gl.Materialf(GL_FRONT_AND_BACK, GL_SHININESS, 12.0f);
   }
 
-  // Whose colours the material takes from glColor.
+  // Sets which material colours follow glColor.
   void follow_colors(GLenum mode) {
     gl.ColorMaterial(GL_FRONT_AND_BACK, mode);
     gl.Enable(GL_COLOR_MATERIAL);
     colored_ = true;
   }
-  // The recipe of docs/fixed-function.md: places in the world as texture coordinates of unit 7.
+  // Generates world positions as texture coordinates of unit 7, as in docs/fixed-function.md.
   void generate_positions() const {
     gl.ActiveTexture(GL_TEXTURE7);
     gl.PushMatrix();
@@ -62,7 +63,7 @@ class OldHost : public testing::Test {
     gl.PopMatrix();
     gl.ActiveTexture(GL_TEXTURE0);
   }
-  // The same by the object's world matrix, whatever MODELVIEW holds.
+  // Does the same by the object's world matrix, independent of MODELVIEW.
   void generate_positions_of(const glm::dmat4& world_from_object) const {
     gl.ActiveTexture(GL_TEXTURE7);
     for (int i = 0; i < 3; ++i) {
@@ -164,7 +165,7 @@ TEST_F(OldHost, GlassWithoutAnswersIsThatOfTheFixedFunction) {
   EXPECT_GT(drawn, 1000u);
 }
 
-// A light's place is homogeneous, and nothing fades that is infinitely far away.
+// A light's position is homogeneous, and a directional light has no attenuation.
 TEST_F(OldHost, LightsAreWhereTheFixedFunctionHasThem) {
   gl.Lightf(GL_LIGHT0, GL_CONSTANT_ATTENUATION, 1.5f);
   const gl::Program program = glass(0.0f);
@@ -241,7 +242,7 @@ TEST_F(OldHost, AFragmentShaderAloneKeepsTheFixedFunction) {
   gl.DeleteProgram(without), gl.DeleteProgram(with);
 }
 
-// What bent light shows replaces the picture: the wall behind the pane shines by 0.25 and 0.5, of which glass lets most through.
+// The refracted view replaces the picture: the wall behind the pane emits 0.25 and 0.5, most of which passes the glass.
 TEST_F(OldHost, BentGlassReplacesWhatIsBehindIt) {
   light();
   generate_positions();
@@ -266,7 +267,7 @@ TEST_F(OldHost, BentGlassReplacesWhatIsBehindIt) {
     }
   }
   EXPECT_GT(bent, 1000u);
-  // What lies behind it is not drawn: smoke, say, which has no id.
+  // Fragments without an id behind it, such as smoke, are not drawn.
   gl.LoadMatrixd(glm::value_ptr(glm::translate(eye_from_world, {0, 0, -1})));
   const GlassHost::Picture behind = draw(0), hidden = draw(unnamed);
   size_t covered = 0;
@@ -279,8 +280,8 @@ TEST_F(OldHost, BentGlassReplacesWhatIsBehindIt) {
   gl.DeleteProgram(alone), gl.DeleteProgram(unnamed);
 }
 
-// The recipe of docs/fixed-function.md for engines that never have the view alone in MODELVIEW: the pane is turned by a right
-// angle and moved within its plane.
+// Tests the way of docs/fixed-function.md for engines whose MODELVIEW is never the view alone. The pane is turned by a
+// right angle and moved within its plane.
 TEST_F(OldHost, PlacesComeFromTheObjectsMatrixToo) {
   FrameInputs in = host.inputs();
   in.layers->float_ids = 1;
@@ -303,7 +304,7 @@ TEST_F(OldHost, PlacesComeFromTheObjectsMatrixToo) {
   gl.DeleteProgram(program);
 }
 
-// Ids of another type would read as none, without an error of OpenGL's: each fragment would say that its id is another.
+// Ids of another type would be read as 0, without an OpenGL error, and no fragment would find its id.
 TEST_F(OldHost, BindRefusesIdsOfAnotherType) {
   sideray_error error{};
   host.trace(host.inputs());  // integers
@@ -358,7 +359,7 @@ TEST_F(OldHost, ShadowsMultiplyThePicture) {
   gl.Disable(GL_BLEND);
   GlassHost::Picture picture(size_t{GlassHost::width} * GlassHost::height);
   gl.ReadPixels(0, 0, GlassHost::width, GlassHost::height, GL_RGBA, GL_FLOAT, picture.data());
-  // No light has a mask, and the sky is open where nothing is: the picture stays.
+  // No light has a mask, and nothing occludes the sky: the picture stays.
   EXPECT_THAT(picture, testing::Each(glm::vec4(0.5f, 0.25f, 1.0f, 1.0f)));
 }
 

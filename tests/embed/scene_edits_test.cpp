@@ -1,4 +1,4 @@
-// A host that rebuilds its list every frame: a hundred thousand edits leave nothing behind.
+// Tests a host that rebuilds its scene every frame: a hundred thousand edits leak nothing.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -51,12 +51,12 @@ TEST(SceneEdits, AHundredThousandLeaveNothingBehind) {
   RecordProperty("edits_a_second", std::to_string(static_cast<double>(edits) / took.count()));
   std::printf("  %.0f edits a second, a commit every %zu\n", static_cast<double>(edits) / took.count(), edits / frames);
   EXPECT_EQ(edits, 100000u);
-  // Names are given out again: no more than were there at once. The pane has one of each.
+  // Handles are reused: they never exceed the number that existed at once. The pane has one of each.
   EXPECT_LE(largest_instance, surfaces + 1);
   EXPECT_LE(largest_material, surfaces + 2);
 }
 
-// An engine's graph of triangles, by their addresses.
+// A leaf of an engine's graph, identified by addresses.
 struct Leaf {
   uint64_t shape = 1, pose = 0;
   double x = 0;
@@ -90,7 +90,7 @@ class Following : public testing::Test {
     }
     return follower_.end();
   }
-  // Whether a ray meets anything that comes down at x.
+  // Returns whether a ray down at x hits anything.
   bool is_hit(double x) {
     if (!tracer_) tracer_.emplace(Tracer::create(scene_).value());
     const sideray_ray ray{{x + 0.2, 0.2, 5}, {0, 0, -1}, 0, 100};

@@ -1,4 +1,4 @@
-// The service in a context that is not its own: promises about state, errors, the ring, and failed frames.
+// Tests the service in a host's context: promises about state, errors, the ring, and failed frames.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -55,7 +55,7 @@ class ServiceInAHost : public testing::Test {
     gl.ReadBuffer(GL_NONE);
   }
 
-  // What an opaque pass and a mask pass leave behind: nothing drawn, one layer marked in the rectangle.
+  // Leaves the buffers as an opaque pass without objects and a mask pass would, with one layer marked in the rectangle.
   void mark(int x, int y, int w, int h) {
     const gl::Functions& gl = context_->functions();
     gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
@@ -91,7 +91,7 @@ class ServiceInAHost : public testing::Test {
     return sideray_service_wait(service_->get(), ticket, -1, nullptr);
   }
 
-  // The layer's distances, read back from the texture that the service hands out.
+  // Returns the layer's distances, read back from the service's texture.
   std::vector<float> distances() {
     sideray_layer_outputs outputs{};
     outputs.size = sizeof(outputs);
@@ -152,7 +152,7 @@ TEST_F(ServiceInAHost, AdvanceAloneFinishesAFrame) {
   ASSERT_EQ(submit(inputs(), ticket), SIDERAY_OK);
   sideray_layer_outputs outputs{};
   outputs.size = sizeof(outputs);
-  // Not wait: advance must suffice. The time is a guard against hanging, far beyond what a loaded machine takes.
+  // Without wait(), advance() must suffice. The timeout only guards against hanging, and is far above the time needed.
   const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   sideray_status status = SIDERAY_NOT_READY;
   while (status == SIDERAY_NOT_READY && std::chrono::steady_clock::now() < give_up) {
@@ -204,7 +204,7 @@ TEST_F(ServiceInAHost, BadInputsAreRefusedByName) {
   EXPECT_EQ(sideray_service_wait(service_->get(), 999, 0, &error), SIDERAY_INVALID_ARGUMENT);
 }
 
-// Of the pane marked in the rectangle, a checkerboard; then the odd ones of a row are asked for.
+// Traces a checkerboard of the pane in the rectangle, then the odd pixels of a row.
 TEST_F(ServiceInAHost, ASecondWaveAddsToItsFrame) {
   FrameInputs in = inputs();
   in.layers->cache_rate = SIDERAY_RATE_CHECKERBOARD;

@@ -1,5 +1,5 @@
-// Shadow masks from depth that a driver drew, not from depth as arithmetic has it: convex things and open ground, where
-// whatever faces the light is lit. None of such pixels may be dark, but for the few beside folds that are known.
+// Tests shadow masks from depth that a driver drew, not from computed depth, on convex objects and open ground, where
+// every point that faces the light is lit. No such pixel may be dark, except the few known ones beside folds.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -35,7 +35,7 @@ struct Shape {
   void quad(uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
     for (const uint32_t k : {a, b, c, a, c, d}) indices.push_back(k);
   }
-  // A plane of cells x cells quads.
+  // Adds a plane of cells x cells quads.
   void grid(glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v, uint32_t cells) {
     const auto first = static_cast<uint32_t>(corners.size());
     for (uint32_t j = 0; j <= cells; ++j)
@@ -49,7 +49,7 @@ struct Shape {
   }
 };
 
-// `h` away from the eye, which looks askew.
+// Returns a wall at distance `h`, seen at an angle.
 Shape wall(double h) {
   Shape s{"wall of 4x4 quads", {}, {}, {0.3 * h, 1.1 * h, 0.2 * h}, {0.1 * h, 0.9 * h, -h}};
   s.grid({-1.5 * h, 0, -0.8 * h}, {3 * h, 0, 0}, {0, 2 * h, 0}, 4);
@@ -109,8 +109,8 @@ Format format_of(Depth d) {
   }
 }
 
-// What faces the light by less than 3 degrees is left out: where such a facet meets one that faces away, the depth tells the
-// normal of either, and a twentieth of the light is at stake.
+// Facets within 3 degrees of the light's direction along them are left out: where one meets a facet that faces away,
+// depth may give the normal of either, and at most a twentieth of the light is wrong.
 constexpr double grazing = 0.05;
 
 // Draws a shape in a depth format and asks for the mask of one directional light.
@@ -137,7 +137,7 @@ class SpeckHost {
   bool supports(Depth depth) const { return !format_of(depth).zero_to_one || gl.clip_control; }
 
   float pushed_back = 0, bias = 0, bias_steps = 0;  // what is drawn, in steps; what is asked for
-  std::optional<Shape> traced;                      // where it is not what is drawn
+  std::optional<Shape> traced;                      // if not the drawn shape
   double facing = grazing;                          // cosine from which on a facet counts as lit
 
   struct Counts {
@@ -190,8 +190,8 @@ class SpeckHost {
     const double f = 1.0 / std::tan(0.5 * fov);
     return {f / aspect, 0, 0, 0, 0, f, 0, 0, 0, 0, 0, -1, 0, 0, near, 0};
   }
-  // In 2^-24 of the depth, by how much the drawn depth is off the triangle's plane beyond what its slope over 1/256 of a
-  // pixel explains.
+  // Returns the error of the drawn depth against the triangle's plane, in 2^-24 of the depth, beyond what the slope
+  // over 1/256 of a pixel explains.
   double off(const Shape& shape, uint32_t triangle, const glm::dmat4& world, const glm::dmat4& clip, const Format& format, size_t i, float stored) const {
     const auto depth_at = [&](double x, double y) {
       const glm::dvec2 ndc((x + 0.5) / static_cast<double>(width) * 2 - 1, (y + 0.5) / static_cast<double>(height) * 2 - 1);
@@ -300,12 +300,12 @@ std::vector<Shape> shapes(double h) {
   return {wall(h), ground(h, 1), ground(h, 16), sphere(h), box(h)};
 }
 
-// No nearer than hosts have it that look at rooms, and far enough for the shape.
+// Counts with a near plane as in hosts that show rooms, and a far plane beyond the shape.
 SpeckHost::Counts count_at(SpeckHost& host, const Shape& shape, Depth depth, double h) {
   return host.count(shape, depth, std::min(0.04, 0.2 * h), std::max(60.0, 50 * h), sun);
 }
 
-// Pixels that face the light are lit, in each format, from 0.1 to 1000 m.
+// Tests that pixels that face the light are lit, in each format, from 0.1 to 1000 m.
 class Specks : public testing::TestWithParam<Depth> {};
 
 TEST_P(Specks, AreNowhere) {
@@ -332,7 +332,7 @@ std::string name_of(const testing::TestParamInfo<Depth>& info) {
 }
 INSTANTIATE_TEST_SUITE_P(Formats, Specks, testing::Values(Depth::d24s8, Depth::d32f, Depth::reversed), name_of);
 
-// The others, from one hand's breadth to the horizon.
+// Tests the other shapes, from 0.1 m to the horizon.
 class FewSpecks : public testing::TestWithParam<Depth> {};
 
 TEST_P(FewSpecks, AreNowhere) {
@@ -350,8 +350,8 @@ INSTANTIATE_TEST_SUITE_P(Formats, FewSpecks,
                                          Depth::reversed_d24),
                          name_of);
 
-// One quad that reaches behind the eye, of which a driver draws what is left after clipping: its depth is off by the most, and
-// the more so the larger the picture.
+// Tests a quad that reaches behind the eye. Clipping makes the error of its depth the largest, and larger pictures
+// increase it.
 class LargeFloors : public testing::TestWithParam<Depth> {};
 
 TEST_P(LargeFloors, HaveNone) {
@@ -364,8 +364,8 @@ TEST_P(LargeFloors, HaveNone) {
 }
 INSTANTIATE_TEST_SUITE_P(Formats, LargeFloors, testing::Values(Depth::d24s8, Depth::d32f), name_of);
 
-// Known: beside a fold the depth tells the normal of neither face where a facet shows fewer than three pixels in a row, and a
-// pixel of a lit one may be dark. It takes light from other directions to see it.
+// A known fault: beside a fold, where a facet shows fewer than three pixels in a row, depth gives the normal of neither
+// face, and a lit pixel may be dark. Only light from other directions shows it.
 TEST(SpecksBesideFolds, AreNoMoreThanKnown) {
   for (const Depth depth : {Depth::d24s8, Depth::d32f, Depth::reversed}) {
     SpeckHost host(256, 192);
@@ -382,7 +382,7 @@ TEST(SpecksBesideFolds, AreNoMoreThanKnown) {
   }
 }
 
-// All of it in a larger picture, and at more distances; docs/embedding.md states what is dark.
+// Tests all of it in a larger picture and at more distances; docs/embedding.md states the dark pixels.
 class SlowSpecks : public testing::TestWithParam<Depth> {};
 
 TEST_P(SlowSpecks, AreNowhere) {
@@ -401,7 +401,7 @@ TEST_P(SlowSpecks, AreNowhere) {
   std::printf("%s: floors of one quad %zu of %zu dark, off by %.2f; others %zu of %zu, %.2f\n", format_of(GetParam()).name,
               floors_dark, floors_lit, worst_of_floors, dark, lit, worst);
   EXPECT_GT(lit + floors_lit, 9000000u);
-  // A step of these is metres on the farthest spheres: facets are lost in it.
+  // A depth step of these formats spans metres on the farthest spheres, more than their facets.
   const size_t per_million = GetParam() == Depth::d16 ? 4 : GetParam() == Depth::reversed_d24 ? 1 : 0;
   EXPECT_LE(dark * 1000000, per_million * lit);
   EXPECT_EQ(floors_dark, 0u);
@@ -411,7 +411,7 @@ INSTANTIATE_TEST_SUITE_P(Slow, SlowSpecks,
                                          Depth::d32f_to_one, Depth::reversed_d24, Depth::reversed),
                          name_of);
 
-// A host whose depth is farther off than a driver's, by glPolygonOffset here, gives a bias: in steps or in metres.
+// A host whose depth has a larger error than a driver's, here by glPolygonOffset, gives a bias, in steps or in metres.
 TEST(ShadowBiases, CoverWhatTheDepthIsOffBy) {
   SpeckHost host(128, 96);
   host.pushed_back = 20;  // in units of the driver: 2^-23 here, so that 40 steps are it
@@ -431,7 +431,7 @@ TEST(ShadowBiases, CoverWhatTheDepthIsOffBy) {
   EXPECT_GT(dark(), 1000u);
 }
 
-// A sphere whose triangles are not those that are drawn lies in its own shadow, by how much the two are apart.
+// A sphere whose traced triangles differ from the drawn ones shadows itself.
 TEST(Tessellation, ThatIsTracedOtherwiseThanDrawnIsDark) {
   SpeckHost host(256, 192);
   host.facing = 0.2;

@@ -1,6 +1,5 @@
-// Every call of the service amid a host's random state, for every kind of input: the state stays as it was, or is left
-// as the policy says without having been read; it has no influence, and errors that the host has pending are still
-// there.
+// Makes every call of the service in random host state, for every kind of inputs. The state must stay, or be left as
+// the policy says without being queried. It must have no influence, and pending errors of the host must stay.
 #include <fmt/ranges.h>
 #include <gmock/gmock.h>
 
@@ -17,7 +16,7 @@ namespace {
 
 constexpr uint32_t first_unit = 2;
 
-// What sideray_service_bind() is there to change.
+// Returns whether sideray_service_bind() may make the difference.
 bool is_bound_by_us(const std::string& difference) {
   const auto names = [&](uint32_t unit, GLenum target) {
     return difference.find(gl::unit_item(unit, target) + ":") == 0;
@@ -27,12 +26,12 @@ bool is_bound_by_us(const std::string& difference) {
   return names(first_unit + 4, GL_TEXTURE_2D) || names(first_unit + 4, GL_SAMPLER_BINDING);
 }
 
-// What docs/embedding.md lists for SIDERAY_HOST_RESTORES, by the names of read_state().
+// The state that SIDERAY_HOST_RESTORES may change (docs/embedding.md), by the names of read_state().
 class Left {
  public:
   explicit Left(gl::State initial) : initial_(std::move(initial)) {}
 
-  // What is wrong about how a call left the state.
+  // Returns the faults in the state that a call left.
   std::vector<std::string> wrong(const std::string& call, const SmallHost::Case& c, const gl::State& before,
                                  const gl::State& after) const {
     std::vector<std::string> list;
@@ -47,7 +46,7 @@ class Left {
   }
 
  private:
-  // Whether drivers of compatibility contexts clamp these is the bound framebuffer's matter.
+  // Clamps colours: in compatibility contexts queries do so or not, by the bound framebuffer.
   static std::vector<double> told(const std::string& name, std::vector<double> value) {
     if (name == plain(GL_COLOR_CLEAR_VALUE) || name == plain(GL_BLEND_COLOR))
       for (double& v : value) v = std::clamp(v, 0.0, 1.0);
@@ -97,7 +96,7 @@ class Left {
                                 GL_INDEX_OFFSET};
     return is_one_of(names, name);
   }
-  // The last three are the bound framebuffer's.
+  // The last three depend on the bound framebuffer.
   static bool is_framebuffer(const std::string& name) {
     constexpr GLenum names[] = {GL_READ_FRAMEBUFFER_BINDING,
                                 GL_DRAW_FRAMEBUFFER_BINDING,
@@ -209,7 +208,7 @@ class ServiceState : public testing::TestWithParam<std::tuple<std::string, gl::P
     shaker_->shake_rasterization();
   }
 
-  // Whatever `body` returns, as it is called amid random state.
+  // Calls `body` in random state, and returns its status.
   template <typename Body>
   sideray_status call(const char* what, const Body& body, bool binds = false) {
     const auto read = [&] { return gl::read_state(host_->gl, [&] { shaker_->bind_stencil_framebuffer(); }); };
@@ -242,7 +241,7 @@ class ServiceState : public testing::TestWithParam<std::tuple<std::string, gl::P
     return ticket;
   }
 
-  // The texels of two frames that follow each other.
+  // Returns the texels of two consecutive frames.
   std::vector<uint8_t> run(const SmallHost::Case& c, uint32_t seed,
                            sideray_state_policy policy = SIDERAY_SAVE_AND_RESTORE) {
     seed_ = seed, calls_ = 0;
@@ -290,7 +289,7 @@ class ServiceState : public testing::TestWithParam<std::tuple<std::string, gl::P
     EXPECT_EQ(call("cancel", [&] { return sideray_service_cancel(service, ticket, &error); }), SIDERAY_OK);
     EXPECT_EQ(call("wait", [&] { return sideray_service_wait(service, ticket, -1, &error); }), SIDERAY_CANCELLED);
     submit(service, in);
-    // What is deleted while it is bound is not bound any more.
+    // Deleting a bound object unbinds it.
     call(
         "destroy", [&] { return sideray_service_destroy(service), SIDERAY_OK; }, seed == 0);
     return texels;
@@ -328,7 +327,7 @@ TEST_P(ServiceState, EveryCallLeavesAndTakesNothing) {
   }
 }
 
-// Compared with itself: some drivers round depth on its way to a shader.
+// Compares packing with itself, since some drivers round depth for shaders.
 TEST_P(ServiceState, PackingLeavesAndTakesNothing) {
   if (!host_->gl.compute || !host_->gl.buffer_storage) GTEST_SKIP() << "the GPU packs nothing here";
   setenv("SIDERAY_TRANSPORT", "packed", 1);
@@ -354,7 +353,7 @@ TEST_P(ServiceState, WhereTheHostRestoresNothingIsReadAndAsMuchAnswered) {
   }
 }
 
-// A host that finds an error after one of our calls must find its own, and a host that has one must not lose it.
+// Our calls must neither leave an OpenGL error nor remove one of the host.
 TEST_P(ServiceState, ErrorsOfTheHostStayPending) {
   setenv("SIDERAY_TRANSPORT", "copy", 1);
   const gl::Functions& gl = host_->gl;
@@ -398,7 +397,7 @@ TEST_P(ServiceState, ErrorsOfTheHostStayPending) {
   host_->context().take_errors();
 }
 
-// Inputs that name what is not there are refused, and the driver's errors about them do not get out.
+// Inputs with names that do not exist are refused, and leave no OpenGL errors.
 TEST_P(ServiceState, NamesThatAreNotThereAreRefusedWithoutErrors) {
   setenv("SIDERAY_TRANSPORT", "copy", 1);
   const sideray_host_gl loader = host_->loader();

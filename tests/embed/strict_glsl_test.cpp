@@ -1,5 +1,5 @@
-// The text that hosts put into their shaders, read by the reference compiler: drivers take what GLSL of its version has
-// not, each something else. (max() of integers in 1.20 is taken by Mesa and refused by NVIDIA.)
+// Compiles the snippet by the reference compiler: drivers accept code that is not in their GLSL version, each a
+// different kind. (Mesa accepts max() of integers in 1.20, NVIDIA refuses it.)
 #include <gtest/gtest.h>
 #include <sideray/sideray.h>
 
@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* no_compiler = "no glslangValidator (Debian: glslang-tools)";
 
-// The compiler does not know EXT_texture_array: textures of three dimensions have look-ups of the same types.
+// Replaces array textures by 3D textures, whose lookups have the same types: the compiler lacks EXT_texture_array.
 std::string without_arrays(std::string text) {
   const std::string asked = "#extension GL_EXT_texture_array : require\n";
   const size_t at = text.find(asked);
@@ -25,7 +25,7 @@ std::string without_arrays(std::string text) {
   return text.replace(at, asked.size(), "#define sampler2DArray sampler3D\n#define texture2DArray texture3D\n");
 }
 
-// Returns what the compiler says of a shader, empty where it takes it. `stage`: "vert" or "frag".
+// Returns the compiler's message about a shader, empty if it accepts it. `stage` is "vert" or "frag".
 std::string complaint(const std::string& stage, const std::string& text) {
   const std::filesystem::path file =
       std::filesystem::path(testing::TempDir()) / ("sideray_strict_" + std::to_string(getpid()) + "." + stage);

@@ -1,4 +1,4 @@
-// Where hosts keep depth and mask, in which GLSL they ask, and in which space they blend: the answers are the same.
+// Tests that answers do not depend on the host's formats of depth and mask, its GLSL version and its blending space.
 #include <gmock/gmock.h>
 
 #include "embed/hosts/glass_host.h"
@@ -9,7 +9,7 @@ namespace {
 
 const std::string plain = "sideray_translucent(vec3(0.0, 0.0, 1.0), world, id)";
 
-// Pixels with an answer, which has no blue; those of the pane without one are blue.
+// Counts pixels with an answer, which has no blue; pixels of the pane without one are blue.
 size_t answered(const GlassHost::Picture& picture) {
   return static_cast<size_t>(
       std::count_if(picture.begin(), picture.end(), [](glm::vec4 p) { return p.w > 0 && p.z == 0.0f; }));
@@ -18,7 +18,7 @@ size_t fallen_back(const GlassHost::Picture& picture) {
   return static_cast<size_t>(std::count_if(picture.begin(), picture.end(), [](glm::vec4 p) { return p.z == 1.0f; }));
 }
 
-// Depth that is cleared to the far plane, in one of the ways in which hosts keep it.
+// Describes one of the places where hosts keep depth, cleared to the far plane.
 struct DepthImage {
   GLenum format;
   GLenum target;  // GL_RENDERBUFFER or a texture's
@@ -51,7 +51,7 @@ void allocate(const gl::Functions& gl, const DepthImage& image, uint32_t name) {
   gl.BindTexture(image.target, 0);
 }
 
-// The far plane, but in the left half of the picture depth of the near one: nothing is behind it.
+// Clears depth to the far plane, and in the left half to the near plane, which hides everything.
 void clear_half(const gl::Functions& gl, const DepthImage& image, uint32_t name, uint32_t framebuffer) {
   gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   const bool stencil = image.format == GL_DEPTH24_STENCIL8 || image.format == GL_DEPTH32F_STENCIL8;
@@ -71,7 +71,7 @@ void clear_half(const gl::Functions& gl, const DepthImage& image, uint32_t name,
   gl.Scissor(0, 0, GlassHost::width / 2, GlassHost::height);
   gl.ClearDepth(0.0);
   gl.Clear(GL_DEPTH_BUFFER_BIT);
-  // Stays on: a blit of ours must not be cut by it.
+  // The scissor test stays on: it must not cut our blits.
 }
 
 TEST_P(DepthTarget, IsRead) {
@@ -110,7 +110,7 @@ TEST_P(DepthTarget, IsRead) {
     for (int x = 0; x < GlassHost::width; ++x) {
       const glm::vec4 pixel = picture[static_cast<size_t>(y * GlassHost::width + x)];
       if (pixel.w == 0.0f) continue;  // beside the pane
-      // With several samples a pixel takes the answer of the one beside it.
+      // With several samples a pixel may take its neighbour's answer.
       if (image.samples > 0 && x == GlassHost::width / 2 - 1) continue;
       EXPECT_EQ(pixel.z == 0.0f, x >= GlassHost::width / 2) << x << "," << y;
     }
@@ -152,7 +152,7 @@ TEST(DepthTarget, WhatIsNoDepthIsRefused) {
   EXPECT_THAT(error.message, testing::HasSubstr("give one of them"));
 }
 
-// With depth of the far plane in a renderbuffer of its own.
+// A host with depth of the far plane in its own renderbuffer.
 struct HostWithDepth : GlassHost {
   explicit HostWithDepth(gl::Profile profile = gl::Profile::core) : GlassHost(profile), depth(gl) {
     gl.BindRenderbuffer(GL_RENDERBUFFER, depth.id());
@@ -165,7 +165,8 @@ struct HostWithDepth : GlassHost {
   gl::Renderbuffer depth;
 };
 
-// A byte a pixel: the right half of the picture, every other row of it counted, the others "whatever there is".
+// Returns a mask of a byte a pixel for the right half of the picture: every other row has counts, the others "any
+// number".
 std::vector<uint8_t> half_mask(size_t row_bytes) {
   std::vector<uint8_t> mask(row_bytes * GlassHost::height);
   for (size_t y = 0; y < GlassHost::height; ++y)
@@ -224,7 +225,7 @@ TEST_P(GlslVersion, GetsTheSameAnswers) {
 
 INSTANTIATE_TEST_SUITE_P(Versions, GlslVersion, testing::Values(120, 130, 140, 150, 330, 400, 410, 420, 430, 440, 450));
 
-// What the snippet says of a fragment: the radiance of a resolved layer, or blue: 2 = hidden behind one, 1 = anything else.
+// The colour of a fragment: the radiance of a resolved layer, or blue: 2 = hidden behind one, 1 = anything else.
 const std::string look = "look(world, id)";
 const std::string look_function =
     "vec3 look(vec3 at, SIDERAY_UINT surface) {\n"
@@ -238,7 +239,7 @@ size_t hidden(const GlassHost::Picture& picture) {
   return static_cast<size_t>(std::count_if(picture.begin(), picture.end(), [](glm::vec4 p) { return p.z == 2.0f; }));
 }
 
-// The wall shows through the glass by the rays' answer alone, and what the host draws behind the glass is left out.
+// The wall behind the glass comes from rays alone, and the host's own fragments behind the glass are hidden.
 TEST_P(GlslVersion, ShowsWhatIsSeenThroughGlassThatBends) {
   const int version = GetParam();
   HostWithDepth host(gl::Profile::compatibility);
@@ -300,7 +301,7 @@ TEST(RadianceSpace, TransferFunctionsAreThoseOfTheirNames) {
 
 const std::string moving = "sideray_translucent_moving(vec3(0.0, 0.0, 1.0), world, id, before)";
 
-// The pane and the camera have moved since the frame that the cache holds.
+// Pane and camera have moved since the cached frame.
 TEST(MovingGlass, FindsItsAnswerWhereItWas) {
   HostWithDepth host;
   host.trace(host.inputs());
@@ -322,7 +323,7 @@ TEST(MovingGlass, ThatHasNotMovedIsDrawnAsIfItCouldNot) {
   EXPECT_EQ(host.draw(host.program(330, moving), 330), host.draw(host.program(330, plain), 330));
 }
 
-// What comes from outside the cached picture has no answer, and nothing else in its place.
+// Surfaces from outside the cached picture have no answer, and take no other one.
 TEST(MovingGlass, FromBeyondTheEdgeFallsBack) {
   HostWithDepth host;
   FrameInputs in = host.inputs();

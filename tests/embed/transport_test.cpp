@@ -1,4 +1,4 @@
-// How results get into textures: the layers that are moved, and buffers that stay mapped.
+// Tests the upload of results: the layers that are uploaded, and persistently mapped buffers.
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -28,7 +28,7 @@ float half_value(uint16_t half) {
   return glm::unpackHalf1x16(half);
 }
 
-// Says how often each pixel is covered.
+// Returns how often each pixel is covered.
 std::vector<uint32_t> covered_by(const std::vector<Rectangle>& rectangles, uint32_t width, uint32_t height) {
   std::vector<uint32_t> times(size_t{width} * height);
   for (const Rectangle& r : rectangles)
@@ -80,7 +80,7 @@ TEST(TileRectangles, AreOneWhereWhatLiesBetweenCostsLessThanAnother) {
   EXPECT_EQ(count_of(2 + 65), 2u);
 }
 
-// Whether SIDERAY_REQUIRE_CONTEXTS names a context of the platform.
+// Returns whether SIDERAY_REQUIRE_CONTEXTS names a context of the platform.
 bool is_required(const std::string& platform) {
   const char* variable = std::getenv("SIDERAY_REQUIRE_CONTEXTS");
   const std::string required = variable ? variable : "";
@@ -88,7 +88,7 @@ bool is_required(const std::string& platform) {
   return required.find("surfaceless") != std::string::npos || required.find("device") != std::string::npos;
 }
 
-// A context of each platform, current; null where this machine has none.
+// Makes a context of each platform current; null where this machine has none.
 struct Transported : testing::TestWithParam<const char*> {
   void SetUp() override {
     try {
@@ -122,7 +122,7 @@ struct Transported : testing::TestWithParam<const char*> {
 INSTANTIATE_TEST_SUITE_P(All, Transported, testing::Values("egl", "osmesa"),
                          [](const auto& suite) { return std::string(suite.param); });
 
-// Frames of a tracer: tiles and layers change from one to the next.
+// Makes frames whose tiles and layers change from one to the next.
 struct Frames {
   explicit Frames(uint32_t seed) : random(seed) {
     cache.width = 101, cache.height = 67, cache.layers = 4;
@@ -167,7 +167,7 @@ struct Frames {
   bool first = true;
 };
 
-// What a shader can reach is what the cache holds, in every frame, each way; the rest is not moved.
+// In every frame and each way, texels that a shader can read equal the cache; others are not uploaded.
 TEST_P(Transported, LayersArriveAsTheyAre) {
   for (const bool persistent : {false, true}) {
     if (persistent && !gl().buffer_storage) continue;
@@ -200,7 +200,7 @@ TEST_P(Transported, LayersArriveAsTheyAre) {
   }
 }
 
-// One layer in one tile: that layer's three planes are moved, and in the next frame, without it, its distances alone.
+// A layer in one tile takes an upload of its three planes; in the next frame, without it, of its distances alone.
 TEST_P(Transported, OnlyLayersThatHoldSomethingAreMoved) {
   Frames frames(5);
   CacheTextures textures;
@@ -228,7 +228,7 @@ struct Environment {
   ~Environment() { unsetenv("SIDERAY_TRANSPORT"); }
 };
 
-// Where in a buffer the texels of uploads begin.
+// Records the offsets in a buffer at which uploads begin.
 struct Offsets {
   static inline PFNGLTEXSUBIMAGE2DPROC send = nullptr;
   static inline std::vector<std::pair<uintptr_t, GLenum>> sent;
@@ -242,7 +242,7 @@ struct Offsets {
   ~Offsets() { sent.clear(); }
 };
 
-// Drivers refuse texels that begin between two of their type, though not all do.
+// Some drivers refuse uploads whose offset is not a multiple of their type's size.
 TEST_P(Transported, PiecesOfSeveralTypesBeginWhereTheirTypeMay) {
   if (!gl().buffer_storage) GTEST_SKIP() << "no buffers that stay mapped";
   constexpr TexelFormat byte1{GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1};
@@ -280,7 +280,7 @@ TEST_P(Transported, PiecesOfSeveralTypesBeginWhereTheirTypeMay) {
   EXPECT_EQ(got_floats, floats);
 }
 
-// Counts buffers, and says that the GPU has not come to any fence yet.
+// Counts buffers, and lets no fence be reached.
 struct SlowDriver {
   static inline PFNGLGENBUFFERSPROC gen_buffers = nullptr;
   static inline int buffers = 0;
@@ -297,7 +297,7 @@ struct SlowDriver {
   }
 };
 
-// Texels that follow each other faster than the driver takes them never overwrite what it may still have to read.
+// Uploads faster than the driver never overwrite texels that it may still read.
 TEST_P(Transported, WhatTheDriverMayStillReadIsNotOverwritten) {
   if (!gl().buffer_storage || !gl().ClientWaitSync) GTEST_SKIP() << "no buffers that stay mapped, or no fences";
   gl::Functions functions = gl();
@@ -386,7 +386,7 @@ TEST_P(Choice, MeasuresAndLeavesNoTrace) {
   }
 }
 
-// Mapped bytes end where a page ends that nobody may read.
+// Lets mapped bytes end at a page that must not be read.
 struct Fenced {
   static inline PFNGLMAPBUFFERRANGEPROC map = nullptr;
   static inline std::vector<std::pair<void*, size_t>> areas;
@@ -459,7 +459,7 @@ TEST_P(Choice, WithoutComputeShadersLeavesPackingToTheDriver) {
   EXPECT_THROW(choose(hidden), Failure);
 }
 
-// A driver whose copy is so slow that whatever else there is wins, if only it is right.
+// A driver whose copy is so slow that any other correct way is chosen.
 struct SlowCopy {
   static inline PFNGLREADPIXELSPROC read = nullptr;
 

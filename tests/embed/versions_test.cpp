@@ -1,5 +1,5 @@
-// Callers that were compiled with other versions of the interface: structs without their last field, structs with
-// fields that this library does not know, outputs that are cut short, arrays with other strides.
+// Tests callers compiled with other versions of the interface: structs without their last field, structs with unknown
+// fields, shorter outputs, arrays with other strides.
 #include <gmock/gmock.h>
 
 #include <cstddef>
@@ -18,7 +18,7 @@ using Bytes = std::vector<std::byte>;
 constexpr size_t unknown_bytes = 24;
 constexpr std::byte untouched{0xa5};
 
-// The struct as a caller of another version has it in memory: nothing is behind `size` bytes.
+// Returns the bytes of the struct in another version, with no memory after `size` bytes.
 template <typename T>
 Bytes resized(const T& full, size_t size) {
   Bytes bytes(size);
@@ -45,8 +45,8 @@ void expect_any_version(const char* name, const T& full, size_t last_field, cons
   EXPECT_THAT(error.message, testing::HasSubstr("size"));
 }
 
-// An older caller's struct is filled up to its end, which is where `last_field` begins, and nothing behind it is
-// written. Returns what it says.
+// Expects that an older caller's struct, which ends at `last_field`, is filled and nothing after it is written. Returns
+// the filled struct.
 template <typename T, typename Fill>
 T filled_as_far_as_known(const char* name, size_t last_field, const Fill& fill) {
   SCOPED_TRACE(name);
@@ -177,7 +177,7 @@ TEST(Versions, DescriptionsOfLayeredDepthMayBeOlderOrNewer) {
                      [&](const auto* desc, auto* error) { return sideray_tracer_layered_depth(tracer.get(), desc, error); });
 }
 
-// Elements of an array as another version has them, `stride_bytes` apart, with what is unknown filled with `rest`.
+// Returns array elements of another version, `stride_bytes` apart, with unknown bytes set to `rest`.
 template <typename T>
 Bytes spread(std::span<const T> elements, size_t stride_bytes, std::byte rest) {
   Bytes bytes(stride_bytes * elements.size(), rest);
@@ -198,7 +198,7 @@ TEST(Versions, ArraysHaveTheirCallersStrides) {
       descs[i].surface_id = static_cast<uint32_t>(i) + 1;
       descs[i].visibility = SIDERAY_VISIBLE_ALL;
     }
-    // Older: without wind and its phase. Newer: 16 bytes that are not known.
+    // The older version lacks wind and its phase; the newer one has 16 unknown bytes.
     const size_t stride = more ? sizeof(descs[0]) + more : offsetof(sideray_instance_desc, wind);
     const Bytes instances = spread<sideray_instance_desc>(descs, stride, std::byte{0});
     sideray_error error{};
@@ -279,7 +279,7 @@ TEST_F(FrameVersions, InputsAndTheirJobsMayBeOlderOrNewer) {
   EXPECT_THAT(error.message, testing::HasSubstr("reserved"));
 }
 
-// Beside FULL alone layers reuse rays.
+// Only at the rate FULL layers reuse rays.
 TEST_F(FrameVersions, RatesOfVersion02AreFull) {
   in_.layers->ray_reuse = 0.5f;
   RenderOptions options;

@@ -1,13 +1,12 @@
-// A library that is loaded before all others and lets the n-th allocation, or the n-th call about a file, fail. It
-// counts those of the program and of what it is linked with, also where they are made by way of the C and C++
-// libraries. Drivers are loaded later and are not counted: what they do without memory is theirs.
+// A preloaded library that lets the n-th allocation or the n-th file call fail. It counts calls of the program and of
+// its linked libraries, also those through the C and C++ libraries, but not those of drivers, which are loaded later.
 //
 // Allocations are counted by place, which is a chain of calls: the first allocation of the n-th chain fails. A loop is
-// one place, and the same function called from two others is two.
+// one place; a function called from two others is two places.
 //
 //   SIDERAY_FAULT        "allocation:N" or "file:N", from 1 on; with a "+" at its end all later ones fail too
 //   SIDERAY_FAULT_COUNT  a file for three numbers of 64 bits: places that allocate, calls about files, failures
-//   SIDERAY_NO_EXCHANGE  renameat2() answers as where the file system cannot exchange two names
+//   SIDERAY_NO_EXCHANGE  renameat2() fails as on file systems that cannot exchange two names
 //   SIDERAY_FAULT_SHOW   writes the chain of calls of each failure to standard error
 #include <dirent.h>
 #include <dlfcn.h>
@@ -41,14 +40,14 @@ namespace {
 
 struct Range {
   uintptr_t begin, end;
-  bool is_counted;  // otherwise one of the C and C++ libraries: who called it counts
+  bool is_counted;  // false: a C or C++ library, whose caller counts
 };
 
 struct Counts {
   std::atomic<uint64_t> allocations, files, failures;
 };
 
-// Nothing here is made on the heap, and nothing is destroyed: calls come before and after main().
+// Nothing here is on the heap or destroyed, since calls come before and after main().
 constexpr int most_ranges = 256;
 Range ranges[most_ranges];
 int range_count = 0;
@@ -105,7 +104,7 @@ __attribute__((constructor)) void get_ready() {
   is_ready = true;
 }
 
-// A chain of calls, from the innermost that is not of the languages' libraries on.
+// Holds a chain of calls, from the innermost caller outside of the C and C++ libraries on.
 struct Chain {
   bool is_counted = false, is_found = false;
   int calls = 0;
@@ -124,7 +123,7 @@ _Unwind_Reason_Code look(_Unwind_Context* frame, void* found) {
   return chain.is_counted && ++chain.calls < most_calls ? _URC_NO_REASON : _URC_END_OF_STACK;
 }
 
-// The caller's address tells most of a driver's calls apart at once.
+// Returns the chain of calls. Most calls of drivers are recognized by the caller's address alone.
 Chain chain_of(void* caller) {
   Chain chain;
   if (!is_ready || is_looking || !range_of(reinterpret_cast<uintptr_t>(caller))) return chain;
@@ -172,7 +171,7 @@ bool file_fails(void* caller, int error) {
   return true;
 }
 
-// The function of the library behind this one.
+// Returns the next library's function of this name.
 template <typename F>
 F* next(const char* name) {
   is_looking = true;
@@ -183,7 +182,7 @@ F* next(const char* name) {
   return function;
 }
 
-// So that ferror() answers as after a full disk.
+// Makes ferror() report an error, as after a full disk.
 void set_error(FILE* file) {
   constexpr int error_seen = 0x20;  // _IO_ERR_SEEN of glibc
   file->_flags |= error_seen;
@@ -259,7 +258,7 @@ DIR* opendir(const char* path) {
 ssize_t read(int file, void* bytes, size_t count) {
   return file_fails(CALLER, EIO) ? -1 : NEXT(read)(file, bytes, count);
 }
-// Messages are not counted: who could say that they fail?
+// Messages on standard error do not fail, since that could not be reported.
 ssize_t write(int file, const void* bytes, size_t count) {
   return file != STDERR_FILENO && file_fails(CALLER, ENOSPC) ? -1 : NEXT(write)(file, bytes, count);
 }
@@ -276,7 +275,7 @@ int fflush(FILE* file) {
 int fsync(int file) {
   return file_fails(CALLER, EIO) ? -1 : NEXT(fsync)(file);
 }
-// What is closed is so, whatever the answer.
+// Closes the file also where it reports a failure.
 int close(int file) {
   const bool failed = file_fails(CALLER, EIO);
   const int result = NEXT(close)(file);
@@ -309,7 +308,7 @@ int ftruncate(int file, off_t bytes) {
 
 }  // extern "C"
 
-// As those of libstdc++, whose caller would otherwise be looked for on the stack each time.
+// Replace those of libstdc++, whose callers would have to be searched for on the stack.
 void* operator new(size_t bytes) {
   void* const memory = allocation_fails(CALLER) ? nullptr : __libc_malloc(bytes);
   if (!memory) throw std::bad_alloc();

@@ -1,4 +1,5 @@
-// What looks too small is not traced: mask, rays and raster translucency agree on it, frame by frame.
+// Tests that objects that look too small are not traced, and that mask, rays and rasterizer agree on them in every
+// frame.
 #include <cmath>
 
 #include "frame/frame.h"
@@ -9,7 +10,7 @@ namespace {
 
 constexpr int pane_count = 4;
 constexpr double gap = 0.2, first_pane = 3.0;
-constexpr float half_way = 25.0f;  // degrees: between what a whole pane and a shrunk one appear under
+constexpr float half_way = 25.0f;  // degrees, between the angles of a whole and of a shrunk pane
 
 // Every other pane is a fifth of its size, about its own middle.
 scenes::Content panes() {
@@ -79,8 +80,8 @@ void expect_same_counts(const sideray_render_stats& a, const sideray_render_stat
   EXPECT_EQ(a.rays_primary, b.rays_primary);
 }
 
-// The oracle: the same objects without layers from the start.
-// Without shadows: what rays do not hit throws no coloured ones either.
+// Compares with the same objects without layers from the start. Shadows are off, since culled objects cast none by
+// rays.
 TEST_F(Culling, InHybridWhatIsCulledIsRasterAndInNoMask) {
   options_.shadows->method = SIDERAY_SHADOWS_OFF;
   for (const sideray_mask mask : {SIDERAY_COUNT_MASK, SIDERAY_STENCIL_MASK})
@@ -94,7 +95,7 @@ TEST_F(Culling, InHybridWhatIsCulledIsRasterAndInNoMask) {
       EXPECT_EQ(culled, unmarked);
       EXPECT_NE(culled, all);
       expect_same_counts(culled.stats, unmarked.stats);
-      // Where nothing is counted, as many as the cache has: the plan of the unmarked ones knows that it needs fewer.
+      // Without counts the mask requests all layers of the cache, of which the plan for unmarked objects has fewer.
       if (mask == SIDERAY_COUNT_MASK) {
         EXPECT_EQ(culled.stats.layers_requested, unmarked.stats.layers_requested);
       }
@@ -112,7 +113,7 @@ TEST_F(Culling, TheEyeIsTheCamerasWhereverTheSceneLies) {
   for (int i = 0; i < 3; ++i) camera_.world_from_camera[9 + i] += away[i];
   fill(far, std::vector<bool>(far.objects.size(), true));
   const Result there = draw(half_way);
-  // Not the same bits: the origin is a multiple of 1024.
+  // Bits differ, since the local origin is a multiple of 1024.
   EXPECT_NEAR(static_cast<double>(there.stats.layers_matched), static_cast<double>(here.stats.layers_matched),
               0.01 * static_cast<double>(here.stats.layers_matched));
 }
@@ -144,7 +145,7 @@ TEST_F(Culling, OrthographicViewsCullNothing) {
   EXPECT_GT(all.stats.layers_matched, 0u);
 }
 
-// What a long lens enlarges, be it along rows alone, covers more of the picture than its angle says.
+// A long focal length, even along rows alone, enlarges objects beyond their angle.
 TEST_F(Culling, ALensThatIsLongAcrossCullsLess) {
   options_.shadows->method = SIDERAY_SHADOWS_OFF;
   EXPECT_NE(draw(half_way), draw(0.0f));
@@ -152,7 +153,7 @@ TEST_F(Culling, ALensThatIsLongAcrossCullsLess) {
   EXPECT_EQ(draw(half_way), draw(0.0f));
 }
 
-// What is culled casts no shadow that is traced, and is hit again where it looks large.
+// Culled objects cast no traced shadow, and are hit again once they look large.
 TEST_F(Culling, ShadowsOfWhatIsCulledGo) {
   scenes::Content content = scenes::generate("empty", {});
   camera_ = content.cameras.front().camera;
@@ -163,7 +164,7 @@ TEST_F(Culling, ShadowsOfWhatIsCulledGo) {
   EXPECT_EQ(all, again);
 }
 
-// Of a sequence: what left comes back at 1.1 times the angle; a picture on its own remembers nothing.
+// In a sequence a culled object returns at 1.1 times the angle; single pictures have no hysteresis.
 TEST_F(Culling, ASequenceHasHysteresis) {
   content_.objects.pop_back();  // one small pane is left
   fill(content_, std::vector<bool>(content_.objects.size(), true));

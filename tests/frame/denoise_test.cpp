@@ -1,4 +1,4 @@
-// Rough layers, filtered, against the reference: what one direction a pixel is worth with the filter.
+// Compares filtered rough layers with the reference, for one direction in each pixel.
 #include <gtest/gtest.h>
 
 #include <iostream>
@@ -18,7 +18,8 @@ double relmse(const std::vector<float>& test, const std::vector<float>& referenc
   return sum / static_cast<double>(test.size());
 }
 
-// In smaller pictures curved glass has too few pixels alike: at 96x54 the mean of 8 is better.
+// The filter makes one direction as good as 8. In smaller pictures curved glass has too few similar pixels: at 96x54
+// the mean of 8 is better.
 TEST(Denoise, OneDirectionIsWorthEight) {
   constexpr uint32_t raw_samples = 8;
   const scenes::Content content = scenes::generate("frosted", {});
@@ -39,7 +40,7 @@ TEST(Denoise, OneDirectionIsWorthEight) {
   EXPECT_LT(with_filter, without);
 }
 
-// Nothing rough: not a bit changes, and no time goes by.
+// Without rough surfaces the filter changes no bit and takes no time.
 TEST(Denoise, LeavesMirrorsAlone) {
   scenes::Content content = scenes::generate("frosted", {});
   for (scenes::Material& m : content.materials) m.desc.roughness = m.desc.transmission > 0 ? 0 : m.desc.roughness;

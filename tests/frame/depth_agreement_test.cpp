@@ -1,4 +1,4 @@
-// The rasterizer and the tracer see the same opaque surfaces: depth within the bound of F8 over whole images.
+// Tests that rasterizer and tracer see the same opaque surfaces, with depth within the bound of F8 over whole images.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -54,7 +54,7 @@ BothSides draw(const scenes::Content& content) {
   return both;
 }
 
-// Distance along `ray` to the plane of the triangle that the pixel shows.
+// Returns the distance along `ray` to the plane of the triangle in the pixel.
 double plane_distance(const BothSides& both, glm::uvec2 ids, const rt::Ray& ray) {
   for (const model::Instance& instance : both.snapshot.instances) {
     if (instance.surface_id != ids.x) continue;
@@ -69,14 +69,13 @@ double plane_distance(const BothSides& both, glm::uvec2 ids, const rt::Ray& ray)
   return NAN;
 }
 
-// Half a step of reversed float depth (relative 2^-24 of the distance where the near plane is the scale) or of ordinary
-// depth (z^2 / near 2^25).
+// Returns half a step of reversed float depth (2^-24 of the distance) or of ordinary depth (z^2 / near 2^25).
 double half_step(const BothSides& both, double distance) {
   const bool fine = both.view.reversed_depth && both.view.zero_to_one_depth;
   return fine ? distance * 0x1p-24 : distance * distance / (double{both.view.z_near} * 0x1p25);
 }
 
-// Pictures of both sides and their difference, for looking at: set SIDERAY_WRITE_PICTURES to a folder.
+// Writes pictures of both and of their difference to the folder SIDERAY_WRITE_PICTURES.
 void write_pictures(const BothSides& both, const rt::ViewRays& rays, const std::string& name) {
   const char* folder = std::getenv("SIDERAY_WRITE_PICTURES");
   if (!folder) return;

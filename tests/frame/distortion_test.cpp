@@ -1,4 +1,4 @@
-// Distortion on whole frames: the same offsets of the same picture in every mode.
+// Tests distortion on whole frames: the same offsets of the same picture in every mode.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr uint32_t width = 160, height = 90;
 constexpr float distance = 3.0f;
-// The normal that the map holds everywhere, as texels; the pane moves the picture by it.
+// The texel of a constant normal map, by which the pane distorts the picture.
 constexpr uint8_t tilted_texel[3] = {200, 96, 232};
 
 glm::vec3 tilted_normal() {
@@ -31,7 +31,7 @@ sideray_material_desc air(uint32_t normals, float distortion) {
   return d;
 }
 
-// A checkered wall without light's effects, behind air that adds nothing, and a pane of glass beside and behind it.
+// Returns an unlit checkered wall behind air that adds nothing, with a pane of glass beside and behind the air.
 scenes::Content checker_behind_air(float pixels, bool glass) {
   scenes::ContentBuilder b("air");
   sideray_material_desc wall = scenes::opaque_material(glm::vec3(1), 1.0f);
@@ -71,8 +71,8 @@ tests::Setup mode(sideray_translucency translucency) {
   return setup;
 }
 
-// Inside the air, a pixel shows what is there without it, `pixels` along the normal's view-space direction: in the
-// rasterizer's picture and in the reference's own.
+// Expects that inside the air a pixel shows the undistorted picture, `pixels` along the normal's view-space direction:
+// that of the rasterizer, or the reference's own.
 void expect_closed_form(bool reference) {
   constexpr float pixels = 6.25f;
   tests::Setup setup = mode(SIDERAY_TRANSLUCENCY_RASTER);
@@ -114,7 +114,7 @@ TEST(Distortion, OfTheReferenceIsTheClosedForm) {
   expect_closed_form(true);
 }
 
-// What distorts and is not ray traced is the same bits, whether or not rays shade the glass elsewhere.
+// Distorting surfaces without ray tracing have the same bits, whether or not rays shade the glass elsewhere.
 TEST(Distortion, IsBitIdenticalUnderRasterAndHybrid) {
   for (const bool glass : {false, true}) {
     const scenes::Content content = checker_behind_air(4.4f, glass);
@@ -138,7 +138,7 @@ TEST(Distortion, IsBitIdenticalUnderRasterAndHybrid) {
   }
 }
 
-// The glass adds the same light over the same moved picture, whoever shades it: without surroundings it adds none.
+// The glass adds the same light to the same distorted picture in every mode; without an environment it adds none.
 TEST(Distortion, IsTheSameUnderEveryMode) {
   const scenes::Content content = checker_behind_air(4.4f, true);
   tests::Setup setup = mode(SIDERAY_TRANSLUCENCY_RASTER);
@@ -153,8 +153,8 @@ TEST(Distortion, IsTheSameUnderEveryMode) {
   }
 }
 
-// The reference has its own opaque picture and its own offsets. It differs from raster as it does without distortion:
-// by its filter of textures.
+// The reference has its own opaque picture and offsets. It differs from raster by its texture filter alone, as without
+// distortion.
 TEST(Distortion, OfTheReferenceIsThatOfRaster) {
   for (const bool glass : {false, true}) {
     const auto pictures = [&](float pixels) {

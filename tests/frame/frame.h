@@ -36,23 +36,23 @@ struct Setup {
   sideray_mask mask = SIDERAY_COUNT_MASK;
   sideray_shadows shadows = SIDERAY_SHADOWS_MAP;
   uint32_t aovs = 0, threads = 0, repeats = 0, samples = 1;
-  bool seen_in_reflections = true;  // off: reflection rays hit the environment alone
+  bool seen_in_reflections = true;  // false: reflection rays hit the environment alone
   bool sky = true, reference = false, rt_particles = false;
-  bool furnace = false;  // the same radiance from everywhere in place of the sky's
+  bool furnace = false;  // constant radiance from everywhere instead of the sky
   sideray_oit oit = SIDERAY_OIT_SORTED;
   bool ao = false;
-  bool denoise = false;  // on, a rough layer is another estimate than a composited surface
+  bool denoise = false;  // with it, a rough layer is another estimate than a composited surface
   uint32_t light_samples = 64, bounces = 1, seed = 1;  // references: 0 = unlimited bounces
   std::string selection = "all", gl = "auto", isa = "";
   sideray_cache_rate cache_rate = SIDERAY_RATE_FULL;
   bool second_wave = true;
   bool whole_pixels = true;
-  float ray_reuse = 0.0f;  // above 0, rays and layers are not those of other ways to draw, to the last bit
+  float ray_reuse = 0.0f;  // above 0, rays and layers differ in bits from other ways to draw
   sideray_inexact inexact = SIDERAY_INEXACT_RESTPOSE;
   uint32_t poses = 1;
   bool reflections = false;
   double time_s = 0;  // of wind
-  bool refraction = false;  // on, ways of drawing differ by more than their rays where something bends light
+  bool refraction = false;  // with it, ways of drawing differ by more than their rays where light refracts
   sideray_match match = SIDERAY_MATCH_ID;
 };
 
@@ -131,7 +131,7 @@ inline Frame render(const scenes::Content& content, const Setup& setup, const si
   return frame;
 }
 
-// Path of third-party content, or empty where the checkout has none beside it.
+// Returns the path of third-party content, or nothing where it is not there.
 inline std::string asset(const std::string& relative) {
   const char* folder = std::getenv("SIDERAY_ASSETS");
   const std::filesystem::path path =

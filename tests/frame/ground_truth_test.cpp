@@ -1,4 +1,4 @@
-// Ground truth of pictures through the public interface: beside what the rasterizer draws, and whole objects.
+// Tests ground truth through the public interface: compared with the rasterizer, and of whole objects.
 #include <sideray/ground_truth.hpp>
 
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@ namespace {
 constexpr uint32_t every_truth =
     SIDERAY_AOV_FIRST | SIDERAY_AOV_GLASS | SIDERAY_AOV_BEHIND | SIDERAY_AOV_REFRACTION;
 
-// The share of pixels where both planes are equal.
+// Returns the share of pixels where both planes are equal.
 template <typename T>
 double share_equal(const std::vector<T>& a, const std::vector<T>& b) {
   size_t equal = 0;
@@ -58,14 +58,14 @@ TEST(GroundTruthChannels, AreWhatTheRasterizerDraws) {
         EXPECT_LE(frame.planes.at("glass.Z")[i], own);
       }
     }
-    // Edges are decided by rasterization there and by rays here.
+    // Edges come from rasterization there and from rays here.
     EXPECT_GT(static_cast<double>(agreeing), 0.99 * static_cast<double>(glass.size())) << scene;
     EXPECT_GT(static_cast<double>(same_id), 0.99 * static_cast<double>(without)) << scene;
     EXPECT_GT(without, glass.size() / 3) << scene;
   }
 }
 
-// Rays that are asked for beside a frame leave the frame as it was: poses, culling, what is kept for the next picture.
+// Rays of ground truth do not change the frame: poses, culling, history.
 TEST(GroundTruthChannels, ChangeNothingElse) {
   const scenes::Content forest = scenes::generate("forest", {{"count", "20"}}), solids = scenes::generate("solids", {});
   for (const sideray_translucency method : {SIDERAY_TRANSLUCENCY_RASTER, SIDERAY_TRANSLUCENCY_HYBRID})
@@ -82,7 +82,7 @@ TEST(GroundTruthChannels, ChangeNothingElse) {
     }
 }
 
-// Plants sway as they are drawn, and what looks small is there, whatever the frame's own rays hit.
+// Ground truth has the drawn poses of plants and small objects, whatever the frame's own rays hit.
 TEST(GroundTruthChannels, MeetTheSceneAsItIsDrawn) {
   const scenes::Content content = scenes::generate("forest", {{"count", "40"}});
   tests::Setup setup{.width = 160, .height = 90, .translucency = SIDERAY_TRANSLUCENCY_RASTER,
@@ -94,12 +94,12 @@ TEST(GroundTruthChannels, MeetTheSceneAsItIsDrawn) {
   const auto agreement = [](const Frame& rays, const Frame& drawn) {
     return share_equal(rays.uint_planes.at("behind.primitive"), drawn.uint_planes.at("id.primitive"));
   };
-  // The edges of leaves are decided by rasterization there and by rays here, whether they sway or not.
+  // Edges of leaves come from rasterization there and from rays here, with or without wind.
   EXPECT_GT(agreement(sways, sways), agreement(stands, stands) - 0.01);
   EXPECT_LT(agreement(stands, sways), agreement(sways, sways) - 0.02);
 }
 
-// Wherever the samples lie of which the colours are the mean.
+// They do not depend on the positions of the samples that are averaged for colours.
 TEST(GroundTruthChannels, AreTheSameInAReferenceOfManySamples) {
   const scenes::Content content = scenes::generate("solids", {});
   tests::Setup setup{.width = 64, .height = 36, .aovs = every_truth};
@@ -120,7 +120,7 @@ TEST(GroundTruthChannels, AreTheSameInAReferenceOfManySamples) {
 
 sideray_camera side_camera(bool orthographic) {
   sideray_camera camera = sideray_camera_defaults();
-  // Far from the world's origin, turned about y.
+  // The pose is far from the world's origin, turned about y.
   const double s = std::sin(0.3), c = std::cos(0.3), far = 1e5;
   const double pose[12] = {c, 0, -s, 0, 1, 0, s, 0, c, far, 2.0, far};
   std::copy_n(pose, 12, camera.world_from_camera);
@@ -131,7 +131,7 @@ sideray_camera side_camera(bool orthographic) {
   return camera;
 }
 
-// A wall across the view and a pane before it; both face the camera.
+// A wall across the view and a pane in front of it; both face the camera.
 class TwoQuads {
  public:
   explicit TwoQuads(const sideray_camera& camera) : scene(Scene::create().value()) {

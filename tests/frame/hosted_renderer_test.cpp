@@ -1,5 +1,5 @@
-// A renderer in a host's context, amid random state of the host: the state stays as it was, what is drawn is bit by bit
-// what a renderer with a context of its own draws, and the host's errors are still there.
+// Tests a renderer in a host's context with random state: the state stays, pictures have the bits of a renderer with
+// its own context, and the host's pending errors stay.
 #include <gmock/gmock.h>
 
 #include <functional>
@@ -35,7 +35,7 @@ std::vector<Drawn> channels_of(const Picture& picture) {
   return channels;
 }
 
-// Names of the channels that are not the same.
+// Returns the names of channels that differ.
 std::vector<std::string> differing(const std::vector<Drawn>& a, const std::vector<Drawn>& b) {
   std::vector<std::string> names;
   if (a.size() != b.size()) names.push_back("number of channels");
@@ -95,12 +95,12 @@ const Case cases[] = {
        o.reference->light_samples = 1;
      }}};
 
-// A built-in scene and how a case draws it.
+// Holds a built-in scene and a case's options.
 struct Shot {
   explicit Shot(const Case& c) : scene(Scene::create().value()) {
     const scenes::Content content = scenes::load(c.scene);
     camera = content.cameras.empty() ? scenes::framing_camera(content, 16.0f / 9.0f) : content.cameras[0].camera;
-    // Small: filtering a whole sky for every case would take most of the time.
+    // A small sky, since filtering a large one for every case would take most of the time.
     const std::vector<float> sky = {0.2f, 0.3f, 0.6f, 0.3f, 0.3f, 0.5f, 0.2f, 0.1f, 0.1f, 0.1f, 0.1f, 0.2f};
     scene.set_environment(2, 2, sky.data(), 1.0f, 0.0f);
     scenes::fill(scene, content, scenes::select_ray_traced(content, "all", camera, 96, 54));
@@ -108,7 +108,7 @@ struct Shot {
     options.picture.height = 54;
     c.choose(options);
   }
-  // As a sequence of two where the case averages.
+  // Draws a sequence of two frames where the case averages over time.
   std::vector<Drawn> draw(Renderer& renderer) {
     RenderOptions o = options;
     std::vector<Drawn> channels = channels_of(renderer.render(scene, camera, o).value());
@@ -164,7 +164,7 @@ class HostedRenderer : public testing::TestWithParam<std::tuple<std::string, gl:
     return Renderer::create(desc).value();
   }
 
-  // `call` is made amid random state, with an error of the host's pending.
+  // Makes `call` in random state with a pending error of the host.
   void expect_untouched(uint32_t seed, const std::string& what, const std::function<void()>& call) {
     shake(seed);
     const gl::State before = read();
@@ -201,7 +201,7 @@ INSTANTIATE_TEST_SUITE_P(All, HostedRenderer,
                                           testing::Values(gl::Profile::core, gl::Profile::compatibility)),
                          gl::name_of_driver_and_profile);
 
-// Each context draws its share of the cases, all of them together every one.
+// Each context draws a part of the cases; together they draw all.
 TEST_P(HostedRenderer, LeavesTheStateAndDrawsTheSameBits) {
   const auto& [name, profile] = GetParam();
   const size_t share = (name == "osmesa" ? 2u : 0u) + (profile == gl::Profile::core ? 0u : 1u);

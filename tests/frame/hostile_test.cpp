@@ -1,4 +1,5 @@
-// What a scene takes is drawn without a crash and without NaN, whatever it is; what would harm is refused by a line.
+// Tests that any accepted scene is drawn without a crash and without NaN, and that harmful input is refused with one
+// line.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -15,7 +16,7 @@ constexpr float infinite = std::numeric_limits<float>::infinity();
 constexpr float denormal = std::numeric_limits<float>::denorm_min();
 constexpr float largest = std::numeric_limits<float>::max();
 
-// A square that fills the view, before a square of glass; every test damages one thing in it.
+// A square that fills the view, and a square of glass; every test damages one value.
 struct Hostile {
   std::vector<float> positions{-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0}, normals{0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1},
       tangents{1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1}, uv{0, 0, 1, 0, 1, 1, 0, 1},
@@ -74,7 +75,7 @@ struct Hostile {
   }
 };
 
-// "" where all of it is drawn, and then no value is NaN; else the message of the refusal.
+// Returns "" where the scene is drawn and no value is NaN, else the message of the refusal.
 std::string drawn(const Hostile& hostile) {
   static Renderer renderer = Renderer::create(sideray_renderer_defaults()).value();
   Scene scene = Scene::create().value();
@@ -144,7 +145,7 @@ TEST(HostileScene, AnyTransformIsDrawnOrRefused) {
     const std::string message = drawn(hostile);
     EXPECT_EQ(message.empty(), scale >= 1e-9) << message;
   }
-  // Both ends of the range at once: an inverse beyond the range of floats.
+  // The largest and the smallest scale together make an inverse beyond the range of floats.
   Hostile thin;
   thin.transform[0] = thin.transform[4] = 1e15, thin.transform[8] = 1e-59;
   drawn(thin);

@@ -1,4 +1,4 @@
-// What hybrid translucency promises, on whole frames.
+// Tests the promises of hybrid translucency on whole frames.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -34,7 +34,7 @@ double flip(const Frame& test, const Frame& reference) {
   return lab::compare(image_of(test), image_of(reference)).metrics.flip.value();
 }
 
-// The share of pixels whose every channel agrees within `tolerance` of the reference.
+// Returns the share of pixels of which every channel is within `tolerance` of the reference.
 double agreeing_share(const Frame& test, const Frame& reference, float tolerance) {
   const std::vector<float> a = test.rgb(), b = reference.rgb();
   size_t good = 0;
@@ -73,8 +73,8 @@ TEST(Hybrid, LayersChangeThePicture) {
   EXPECT_LT(agreeing_share(hybrid, raster, 2e-3f), 0.9);
 }
 
-// With fewer layers than panes hybrid keeps every pane (raster shading for the deep ones), ray tracing loses them: the
-// wall behind shines through with (1 - a)^N instead of (1 - a)^count.
+// With fewer layers than panes hybrid keeps every pane, with raster shading for deep ones. Ray tracing loses them: the
+// wall behind shows through with (1 - a)^N instead of (1 - a)^count.
 TEST(Hybrid, NothingDisappearsBeyondTheLayers) {
   const Frame truth = raytraced_unlimited(panes(6), {});
   const Frame hybrid = render(panes(6), {.layers = 2});
@@ -128,8 +128,7 @@ TEST(Mask, CountAovIsACountInEveryMode) {
   }
 }
 
-// Textured alpha at a distance: rays must read it at the level that the rasterizer reads, or they lose what the mask
-// has.
+// At a distance rays must read textured alpha at the rasterizer's mip level, or they miss surfaces in the mask.
 TEST(Counters, TexturedAlphaKeepsThemToo) {
   SIDERAY_ASSET_OR_SKIP(path, "TreeLowPoly/TreeLowPoly.gltf");
   const sideray_render_stats s = render(scenes::load(path), {.layers = 8, .repeats = 1}).stats;
@@ -153,7 +152,7 @@ TEST(Counters, KeepTheirBounds) {
   }
 }
 
-// Fragments of whole pixels are not drawn, but what they are is on the picture.
+// Fragments of whole pixels are not drawn, but their surfaces are in the picture.
 TEST(Counters, CountFragmentsOfWholePixelsAsMatched) {
   const sideray_render_stats whole = render(panes(4), {.layers = 4, .repeats = 1}).stats;
   const sideray_render_stats drawn = render(panes(4), {.layers = 4, .repeats = 1, .whole_pixels = false}).stats;
@@ -169,7 +168,7 @@ TEST(SameBits, ForAnyThreadCountAndRun) {
   EXPECT_EQ(two.planes, again.planes);
 }
 
-// The renderer that `choice` leads to; empty where there is none.
+// Returns OpenGL's renderer for `choice`; "" where there is none.
 std::string renderer_of(const std::string& choice) {
   try {
     return gl::Context::create(choice, "")->info().renderer;

@@ -1,4 +1,5 @@
-// A grid of spheres: a row for each lobe of the material, its parameter growing to the right. For tests and for eyes.
+// Makes a grid of spheres: a row for each lobe of the material, whose parameter grows to the right. For tests, and to
+// look at.
 #pragma once
 
 #include <cmath>
@@ -12,7 +13,7 @@ inline constexpr int lobe_columns = 5;
 inline constexpr const char* lobe_rows[] = {
     "coat", "coat over bumps", "sheen", "diffuse transmission", "specular", "metal", "film", "brushed", "textured"};
 
-// A normal map of soft bumps.
+// Returns a normal map of soft bumps.
 inline scenes::Texture bumps() {
   constexpr uint32_t size = 64;
   scenes::Texture texture{"bumps", size, size, {}, false};
@@ -74,7 +75,7 @@ inline sideray_material_desc lobe_material(int row, float t, const LobeTextures&
   return d;
 }
 
-// `translucent`: as BLEND of alpha 1, so that the surfaces go through the translucent pass and the layers.
+// Returns the grid. `translucent` makes surfaces BLEND with alpha 1, so that they use the translucent pass and layers.
 inline scenes::Content lobe_grid(bool translucent) {
   scenes::ContentBuilder builder("lobes");
   const uint32_t chequer = builder.checker("chequer", {255, 255, 255}, {90, 120, 60}, 16);

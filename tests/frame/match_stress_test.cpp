@@ -1,5 +1,6 @@
-// Every matcher over panes and thin solids: gaps from the bound on what rasterization and rays disagree by, angles up
-// to 89.9 degrees, distances of six decades, near planes. Counted by `check`, through the whole frame.
+// Tests every matcher over panes and thin solids: gaps from the bound on the difference of rasterization and rays
+// upward, angles up to 89.9 degrees, distances of six decades, several near planes. `check` counts errors through the
+// whole frame.
 #include <sideray/diagnostics.h>
 
 #include <gtest/gtest.h>
@@ -27,8 +28,9 @@ std::ostream& operator<<(std::ostream& out, const Case& c) {
              << " degrees, distance " << c.distance << ", near " << c.near << ", fov " << c.fov_deg;
 }
 
-// What rasterization and rays may disagree by at the far end of the surfaces (techniques.md F8, fragments): the slope
-// over a subpixel and rounding. Across the surfaces: their gap along the ray is as much larger as their slope is.
+// Returns the bound on the difference of rasterization and rays at the far end of the surfaces (techniques.md F8,
+// fragments): the slope over a subpixel, and rounding. It is measured across the surfaces, since the gap along the ray
+// grows with the slope.
 double bound(const Case& c, uint32_t height) {
   const double fov = glm::radians(c.fov_deg), pixel = 2.0 * std::tan(0.5 * fov) / height;
   const double sine = c.angle_deg > 0.0 ? 1.0 : std::sin(fov);  // of the largest angle in the picture
@@ -39,7 +41,7 @@ class Stage {
  public:
   explicit Stage(uint32_t height) : height_(height) {}
 
-  // A rigid placement that no axis is parallel to.
+  // Returns a rigid placement to which no axis is parallel.
   static glm::dmat4 world_from_stage(double distance) {
     glm::dmat4 m = glm::translate(glm::dmat4(1.0), distance * glm::dvec3(3.1, -1.7, 2.3));
     m = glm::rotate(m, 0.7, glm::normalize(glm::dvec3(0.3, 1.0, -0.2)));
@@ -57,8 +59,8 @@ class Stage {
     return camera;
   }
 
-  // The camera is at the origin of the stage and looks along -z. Surfaces are parallel; the first goes through
-  // (0, 0, -distance); they reach from a twentieth of that depth to twice as far, and are as wide as the view.
+  // Returns parallel surfaces for a camera at the stage's origin that looks along -z. The first contains (0, 0,
+  // -distance); they reach from a twentieth to twice that depth, and are as wide as the view.
   Scene scene(const Case& c) const {
     Scene scene = Scene::create().value();
     sideray_material_desc glass = sideray_material_defaults();
@@ -68,7 +70,7 @@ class Stage {
     glass.double_sided = 1;
     const sideray_material material = scene.add_material(glass);
     const double angle = glm::radians(c.angle_deg), reach = std::min(0.95 / std::max(std::sin(angle), 0.1), 2.0);
-    // Like a floor below the eye that the line of sight meets at the angle; a wall across it at 0.
+    // A wall across the line of sight at 0, nearly a floor below the eye at 89.9 degrees.
     const glm::dvec3 up(0, std::sin(angle), std::cos(angle)), into(0, std::cos(angle), -std::sin(angle));
     const double step = c.gap * bound(c, height_);
     const int surfaces = 6;
@@ -162,8 +164,8 @@ Table measure(const std::vector<Case>& cases, uint32_t width, uint32_t height) {
       if (matcher.match != SIDERAY_MATCH_ID) continue;
       EXPECT_EQ(stats.layers_misassigned, 0u) << c << ", matched " << stats.layers_matched;
       EXPECT_EQ(stats.layers_duplicated, 0u) << c;
-      // Nearly every layer is taken: the tolerance is no tighter than what drivers do. Seen through a telescope,
-      // rounding of vertex positions is larger than their subpixels, and some layers find no fragment.
+      // Nearly every layer must be found: the tolerance covers drivers. In a narrow view the rounding of vertex
+      // positions exceeds subpixels, and some layers find no fragment.
       if (c.fov_deg > 10.0) {
         EXPECT_GE(static_cast<double>(stats.layers_matched), 0.999 * static_cast<double>(stats.layers_found) - 2) << c;
       }

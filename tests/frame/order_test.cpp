@@ -1,4 +1,4 @@
-// Orders of translucent fragments on whole frames of panes that cross and strips that overlap in a ring.
+// Tests orders of translucent fragments on whole frames of crossing panes and of strips that overlap in a ring.
 #include <algorithm>
 #include <cmath>
 
@@ -12,7 +12,7 @@ scenes::Content crossing() {
   return scenes::generate("crossing", {{"panes", "4"}, {"strips", "5"}, {"layers", "3"}});
 }
 
-// The share of pixels of which some channel, alpha among them, is off by more than `tolerance` of it.
+// Returns the share of pixels of which any channel, alpha included, has a relative error above `tolerance`.
 double differing_share(const Frame& test, const Frame& truth, float tolerance) {
   const size_t pixels = truth.planes.at("R").size();
   size_t differing = 0;
@@ -36,8 +36,8 @@ Setup with(sideray_oit oit, sideray_translucency translucency) {
   return setup;
 }
 
-// No object is in the right place of a sorted list here, and every layer is ray traced: what is right is ray order.
-// Rays and fragments disagree along edges, and where two panes cross within a pixel.
+// No sorted list of objects is right here, and every layer is ray traced, so that the order along rays is right. Rays
+// and fragments differ along edges, and where two panes cross within a pixel.
 TEST(Order, HybridIsUnlimitedRayTracingWhereSortedIsNot) {
   const scenes::Content content = crossing();
   const Frame truth = render(content, {.translucency = SIDERAY_TRANSLUCENCY_RAYTRACED, .layers = 0});
@@ -48,7 +48,7 @@ TEST(Order, HybridIsUnlimitedRayTracingWhereSortedIsNot) {
         << "oit " << oit;
 }
 
-// Every layer is cached here: fragments are drawn only where a ray passes close by an edge of what it hits.
+// Every layer is cached here: fragments are drawn only where a ray passes close to an edge.
 TEST(Order, WholePixelsAreInTheOrderOfRays) {
   const scenes::Content content = crossing();
   const Frame truth = render(content, {.translucency = SIDERAY_TRANSLUCENCY_RAYTRACED, .layers = 0});
@@ -60,7 +60,7 @@ TEST(Order, WholePixelsAreInTheOrderOfRays) {
   EXPECT_LT(differing_share(render(content, setup), truth, 1e-2f), 0.005);
 }
 
-// Where a pixel has a sprite, or more surfaces than the cache holds, fragments are blended as ever.
+// In pixels with a sprite, or with more surfaces than the cache holds, fragments are blended as before.
 TEST(Order, WholePixelsLeaveTheOthersAlone) {
   const scenes::Content panes = scenes::generate("panes", {{"count", "5"}});
   tests::Setup setup = with(SIDERAY_OIT_SORTED, SIDERAY_TRANSLUCENCY_HYBRID);

@@ -1,5 +1,5 @@
-// The same surface as raster fragment and as ray-traced layer, where both follow the same equations: without shadows,
-// and with nothing but the environment to reflect.
+// Compares raster fragments with ray-traced layers where both follow the same equations: without shadows, and with only
+// the environment to reflect.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ scenes::Image image_of(const Frame& f) {
   return image;
 }
 
-// Set SIDERAY_WRITE_PICTURES to a folder to look at what is compared.
+// Writes the compared pictures to the folder SIDERAY_WRITE_PICTURES.
 void write_picture(const Frame& frame, const std::string& name) {
   const char* folder = std::getenv("SIDERAY_WRITE_PICTURES");
   if (!folder) return;
@@ -37,8 +37,7 @@ struct Likeness {
 
 Likeness compare_both_ways(const scenes::Content& content, Setup setup, const std::string& name) {
   setup.shadows = SIDERAY_SHADOWS_OFF;
-  // In whole pixels rays set the order, so that fragments have to be in exact order, too, for equations alone to be
-  // compared.
+  // In whole pixels rays set the order, so fragments need exact order too, for a comparison of the equations alone.
   setup.oit = SIDERAY_OIT_ABUFFER;
   setup.seen_in_reflections = false;
   setup.aovs = SIDERAY_AOV_MASK;
@@ -70,7 +69,7 @@ bool is_translucent(const sideray_material_desc& d) {
   return d.alpha_mode == SIDERAY_BLEND || d.transmission > 0;
 }
 
-// What layers can hold, in the middle of the picture.
+// Returns the objects that layers can hold, in the middle of the picture.
 scenes::Content translucent_part(scenes::Content content) {
   std::erase_if(content.objects,
                 [&](const scenes::Object& o) { return !is_translucent(content.materials[o.material].desc); });
@@ -93,13 +92,13 @@ TEST(ParityLayer, OfACupWithWater) {
   EXPECT_LT(compare_both_ways(translucent_part(scenes::load(path)), {}, "cup").flip_where_translucent, 0.01);
 }
 
-// Over the picture alone: in its leaf textures the tenth of a mip level that ray cones and driver differ by shows.
+// Compares whole pictures only: leaf textures show the tenth of a mip level between ray cones and driver.
 TEST(ParityLayer, OfATree) {
   SIDERAY_ASSET_OR_SKIP(path, "TreeLowPoly/TreeLowPoly.gltf");
   EXPECT_LT(compare_both_ways(translucent_part(scenes::load(path)), {.layers = 8}, "tree").flip, 0.01);
 }
 
-// The third way: through the G-buffer, whose half floats are all that differs.
+// The third way is through the G-buffer, which differs by its half floats alone.
 TEST(ParityLayer, DeferredAndForwardShadingAgree) {
   tests::Setup setup{.width = 200, .height = 360, .translucency = SIDERAY_TRANSLUCENCY_RASTER};
   setup.shadows = SIDERAY_SHADOWS_OFF;

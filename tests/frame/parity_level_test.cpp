@@ -1,4 +1,4 @@
-// The mip level that the tracer's ray cones choose against the one that the driver chooses, over whole pictures.
+// Compares the mip levels of the tracer's ray cones with those of the driver, over whole pictures.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace {
 constexpr uint32_t width = 320, height = 180;
 constexpr int codes_per_level = 16;
 
-// The size of `source`, but level k is the one colour 16 k: what is read from it is the level that was chosen.
+// Returns a texture of the size of `source` whose level k has the colour 16 k, so that lookups return the level.
 std::shared_ptr<const model::Texture> level_scale(const model::Texture& source) {
   auto texture = std::make_shared<model::Texture>();
   for (size_t k = 0; k < source.levels.size(); ++k) {
@@ -33,7 +33,7 @@ std::shared_ptr<const model::Texture> level_scale(const model::Texture& source) 
   return texture;
 }
 
-// The scene with every material's base colour the level of its base colour texture (where it has none: level 0).
+// Returns the scene with such base colour textures; a material without a texture shows level 0.
 std::shared_ptr<const model::Snapshot> with_level_scales(const model::Snapshot& source) {
   auto snapshot = std::make_shared<model::Snapshot>(source);
   for (auto& texture : snapshot->textures) texture = level_scale(*texture);
@@ -76,7 +76,7 @@ Levels draw(const std::shared_ptr<const model::Snapshot>& snapshot, const sidera
   return levels;
 }
 
-// Differences, tracer's less driver's, of the pixels that show the same triangle and where either side minifies.
+// Returns the differences, tracer minus driver, in pixels that show the same triangle and where either minifies.
 std::vector<float> differences(const scenes::Content& content, const sideray_camera& camera) {
   Scene scene = Scene::create().value();
   scenes::fill(scene, content, std::vector<bool>(content.objects.size(), false));
@@ -104,7 +104,7 @@ std::vector<float> differences(const scenes::Content& content, const sideray_cam
       const auto last = static_cast<float>(snapshot->textures[slot.texture - 1]->levels.size() - 1);
       const float by_raster = level_of(raster.albedo[i].x);
       const float by_rays = level_of(rt::surface_point(shading, hit, ray, rays.cone(x, y)).surface.albedo.x);
-      // Where both ends are clamped the levels agree for that reason alone.
+      // Levels that are both clamped agree trivially.
       if (std::max(by_raster, by_rays) > 0.0f && std::min(by_raster, by_rays) < last)
         found.push_back(by_rays - by_raster);
     }
@@ -127,7 +127,7 @@ void expect_levels_alike(std::vector<float> found, const char* name) {
   EXPECT_LE(at(sizes, 0.99), 1.0f) << name;
 }
 
-// A floor to the horizon, its chequer turned by `turn`, and boxes.
+// Returns boxes on a floor to the horizon, whose chequer is turned by `turn`.
 scenes::Content floor_and_boxes(float turn) {
   scenes::ContentBuilder builder("floor");
   sideray_material_desc d = scenes::opaque_material(glm::vec3(1), 1);

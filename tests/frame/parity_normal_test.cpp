@@ -1,5 +1,5 @@
-// Shading normals that say something else than the geometry: turned away from the eye, or so far to the side that the
-// mirror direction enters the surface. Raster, layer and reference follow one rule (sr_facing, sr_lifted).
+// Tests shading normals that contradict the geometry: they face away from the eye, or the mirror direction enters the
+// surface. Raster, layer and reference follow one rule (sr_facing, sr_lifted).
 #include <gmock/gmock.h>
 
 #include <array>
@@ -12,8 +12,8 @@
 namespace sideray::tests {
 namespace {
 
-// Of the normals, in degrees away from the geometric one. At the centre of the picture the eye looks along it: from 45
-// on the mirror direction enters the surface, from 90 on the normal faces away.
+// Angles between shading and geometric normal, in degrees. The view is along the geometric one: from 45 degrees on the
+// mirror direction enters the surface, from 90 on the normal faces away.
 constexpr std::array<double, 6> tilts{0, 40, 60, 85, 100, 130};
 constexpr uint32_t columns = tilts.size(), rows = 3, cell = 16;
 
@@ -58,7 +58,7 @@ scenes::Content tilted_quads() {
 
 using Cells = std::array<double, size_t{columns} * rows>;
 
-// Mean luminance of every quad's middle.
+// Returns the mean luminance in every quad's middle.
 Cells draw(sideray_translucency mode) {
   Setup setup{.width = columns * cell, .height = rows * cell, .translucency = mode, .layers = 1};
   setup.seen_in_reflections = false;

@@ -1,4 +1,4 @@
-// The tracer's texture and environment look-ups against the rasterizer's own samplers and shader text, on the driver.
+// Compares the tracer's texture and environment lookups with the rasterizer's samplers and shaders, on the driver.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -40,7 +40,7 @@ void main() {
 }
 )";
 
-// Draws one point a look-up and gives the colours back.
+// Draws one point for each lookup, and returns the colours.
 class PointDrawer {
  public:
   explicit PointDrawer(const gl::Functions& functions)
@@ -93,9 +93,9 @@ struct ParityTexture : ::testing::Test {
   std::unique_ptr<gl::Context> context;
 };
 
-// Noise of codes 96..159, so that two codes are enough for what drivers may lose: weights of 8 bits, cut off rather
-// than rounded, in s, t and level are 3 * 63 / 256 = 0.74 codes; an sRGB decode half a code off is 0.61 at the slope
-// of 1.22 that the curve has at 159; half a code for the result. A wrong texel is 21 codes off on average.
+// Adds noise of codes 96..159, for which two codes cover the drivers' errors: truncated 8-bit weights in s, t and level
+// make 3 * 63 / 256 = 0.74 codes, an sRGB decode off by half a code 0.61 at the curve's slope of 1.22 at 159, the
+// rounded result half a code. A wrong texel differs by 21 codes on average.
 uint32_t add_noise(model::Scene& scene, uint32_t width, uint32_t height, sideray_texel_format format) {
   std::mt19937 random(width * 1000 + height);
   std::vector<uint8_t> texels(size_t{4} * width * height);
@@ -103,8 +103,8 @@ uint32_t add_noise(model::Scene& scene, uint32_t width, uint32_t height, sideray
   return scene.add_texture(width, height, format, texels.data());
 }
 
-// Every filter with every wrap in u and v; plain on one uv set and transformed as by KHR_texture_transform on the other
-// in turn.
+// Returns slots with every filter and every wrap in u and v, in turn plain on one uv set and with a texture transform
+// on the other.
 std::vector<sideray_texture_slot> every_kind_of_slot(uint32_t texture) {
   const float turn = 0.7f, c = std::cos(turn), s = std::sin(turn);
   const float turned[6] = {1.5f * c, -1.5f * s, 0.5f * s, 0.5f * c, 0.25f, -0.4f}, plain[6] = {1, 0, 0, 1, 0, 0};
@@ -150,7 +150,7 @@ float largest(glm::vec4 v) {
   return std::max({v.x, v.y, v.z, v.w});
 }
 
-// Whether NEAREST would take another texel a subtexel step aside: then either answer is right.
+// Returns whether NEAREST would take another texel a subtexel step away, so that either is right.
 bool is_between_texels(const model::Texture& texture, const sideray_texture_slot& slot, glm::vec2 uv) {
   const float* m = slot.texture_from_uv;
   const glm::vec2 size(texture.levels[0].width, texture.levels[0].height);
@@ -175,7 +175,7 @@ std::ostream& operator<<(std::ostream& out, const WorstLookUp& w) {
   return out;
 }
 
-// Largest difference over the slots and points, by filter.
+// Returns the largest difference over slots and points, by filter.
 std::array<WorstLookUp, 3> worst_differences(const gl::Functions& functions, const model::Snapshot& snapshot,
                                              gl::RasterScene& scene, const std::vector<LookUp>& points) {
   const gl::Program program(functions, "texel parity", gl::assemble_shader({{}, {}}) + vertex_text,
@@ -233,7 +233,7 @@ TEST_F(ParityTexture, texels_at_an_explicit_level_are_the_drivers) {
   }
 }
 
-// A sky with a bright spot at the seam and others at the poles, where look-ups are most likely to part ways.
+// Sets a sky with bright spots at the seam and the poles, where lookups are most likely to differ.
 void set_spotted_sky(model::Scene& scene) {
   constexpr uint32_t width = 128, height = 64;
   std::mt19937 random(5);
@@ -246,7 +246,7 @@ void set_spotted_sky(model::Scene& scene) {
   scene.set_environment(width, height, rgb.data(), 1.0f, 0.0f);
 }
 
-// Directions over the sphere, a third of them about the seam and a third about the poles; w unused.
+// Returns directions over the sphere, a third of them near the seam and a third near the poles; w is unused.
 std::vector<LookUp> directions(size_t count) {
   std::mt19937 random(2);
   std::normal_distribution<float> normal;

@@ -1,4 +1,4 @@
-// Particles in whole frames: the rasterizer's against rays', and what each mode shows of them.
+// Compares the rasterizer's particles with those of rays in whole frames, and tests what each mode shows of them.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,7 +9,7 @@
 namespace sideray::tests {
 namespace {
 
-// Unlit panes before a wall, and sprites before, between and behind them; some are outside the picture.
+// Unlit panes in front of a wall, and sprites in front of, between and behind them; some are outside the picture.
 struct Scenery {
   scenes::Content content;
   size_t sprites = 0;
@@ -88,7 +88,7 @@ Setup by_rays(uint32_t events = 0) {
   return setup;
 }
 
-// Pixels that differ by more than `tolerance` in a channel.
+// Counts pixels that differ by more than `tolerance` in a channel.
 size_t differing(const Frame& a, const Frame& b, float tolerance) {
   const std::vector<float> x = a.rgb(), y = b.rgb();
   size_t count = 0;
@@ -98,9 +98,9 @@ size_t differing(const Frame& a, const Frame& b, float tolerance) {
   return count;
 }
 
-// Composites travel as halfs: radiance and transmittance below 2 each have 2^-11 of error, times what they multiply.
+// Composites are half floats: radiance and transmittance below 2 have errors of 2^-11, times their factors.
 constexpr float half_steps = 3.0f * 0x1p-11f;
-// A pixel whose centre is on a sprite's outline to the last bits may fall on either side.
+// A pixel whose centre is on a sprite's outline up to rounding may be on either side.
 constexpr size_t on_outlines = 8;
 
 TEST(ParticleFrames, HardUnlitSpritesAreTheSameByRasterRaysAndReference) {
@@ -153,7 +153,7 @@ TEST(ParticleFrames, LitSpritesAreTheSameByRasterAndRays) {
 TEST(ParticleFrames, RaysDropParticlesAndCountThem) {
   Scenery s = scenery();
   add_system(s, {}, 50, 7);
-  // Beside the picture, behind the eye, and one at its edge.
+  // Sprites beside the picture, behind the eye, and one at the picture's edge.
   std::vector<sideray_sprite>& sprites = s.content.emitters[0].sprites;
   for (const double x : {-9.0, 9.0}) sprites.push_back(sprites[0]), sprites.back().position[0] = x;
   sprites.push_back(sprites[0]), sprites.back().position[2] = 3.0;
@@ -173,7 +173,7 @@ TEST(ParticleFrames, RaysDropParticlesAndCountThem) {
   EXPECT_EQ(in_view, 51u);
   EXPECT_EQ(render(s.content, dropped).stats.dropped_particles, in_view);
   EXPECT_EQ(render(s.content, met).stats.dropped_particles, 0u);
-  // Where no ray starts at all they are dropped all the same.
+  // They are also dropped where no ray starts at all.
   s.content.objects.resize(1);
   EXPECT_EQ(render(s.content, dropped).stats.dropped_particles, in_view);
   tests::Setup hybrid = small(SIDERAY_TRANSLUCENCY_HYBRID, 4);
@@ -192,7 +192,7 @@ TEST(ParticleFrames, HybridDrawsThemAsRasterDoesAndOffDrawsNone) {
   EXPECT_EQ(off.rgb(), render(s.content, small(SIDERAY_TRANSLUCENCY_OFF)).rgb());
 }
 
-// Masks hold the sprites' outlines, so that rays start at every sprite; no mask is the same picture to the bit.
+// Masks include sprites, so that rays start at every sprite: without a mask the picture has the same bits.
 TEST(ParticleFrames, MasksHideNoParticlesFromRays) {
   Scenery s = scenery();
   add_system(s, {.soft = true, .textured = true}, 60, 9);
@@ -206,7 +206,7 @@ TEST(ParticleFrames, MasksHideNoParticlesFromRays) {
   }
 }
 
-// Past the last event nothing is left of what lies behind: the hole of the chapter.
+// Surfaces beyond the last event are missing: the hole that the chapter describes.
 TEST(ParticleFrames, SurfacesBeyondTheLastEventAreMissing) {
   Scenery s = scenery();
   add_system(s, {}, 400, 10);

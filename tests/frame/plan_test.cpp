@@ -1,4 +1,4 @@
-// What the plan leaves out changes no picture, and is not done.
+// Tests that stages that the plan leaves out change no picture and are not run.
 #include <sideray/plan.h>
 
 #include "frame/frame.h"
@@ -11,7 +11,7 @@ scenes::Content panes(int count) {
   return scenes::generate("panes", {{"count", std::to_string(count)}});
 }
 
-// A light that sends nothing, before all others, so that theirs are no longer numbered as their masks are.
+// Adds a black light before all others, so that lights and masks have different numbers.
 scenes::Content with_dark_light(scenes::Content content) {
   scenes::Light dark = content.lights.at(0);
   for (float& channel : dark.light.intensity) channel = 0.0f;
@@ -31,7 +31,7 @@ TEST(Plan, ALightThatSendsNothingCastsNoMask) {
   EXPECT_EQ(one.stats.bytes_cache, uint64_t{96} * 54);
 }
 
-// Eight lamps have rays however dim they are; of nine none that adds less than is seen.
+// Up to eight lamps always have rays; of nine, those that add less than is visible have none.
 TEST(Plan, WhereManyLightsAddLittleNoRayGoes) {
   const tests::Setup setup{.width = 96, .height = 54, .shadows = SIDERAY_SHADOWS_EXACT, .repeats = 1};
   const auto rays_of = [&](size_t lamps, float candela) {

@@ -1,4 +1,4 @@
-// Layer caches that hold some of the pixels: what the others make of their neighbours, and the second wave.
+// Tests layer caches of reduced rates: interpolation from neighbours, and the second wave.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -57,7 +57,7 @@ Content panes(int count, double angle = 0) {
   return scenes::generate("panes", {{"count", std::to_string(count)}, {"angle", std::to_string(angle)}});
 }
 
-// The picture at full rate with each untraced pixel's layer replaced by the mean of its neighbours' is the picture.
+// The picture equals that at full rate with each untraced pixel's layer replaced by the mean of its neighbours'.
 TEST_P(CacheRate, AFlatPaneIsInterpolated) {
   const tests::Setup setup{.layers = 1, .aovs = SIDERAY_AOV_LAYERS};
   const Frame truth = render(panes(1), full(setup)), frame = render(panes(1), reduced(setup));
@@ -116,7 +116,7 @@ void add_camera(ContentBuilder& b) {
   b.camera("front", scenes::look_at(eye, target, 45));
 }
 
-// Two panes meet edge to edge in one plane, another lies behind: each keeps its own colour to the last pixel.
+// Two panes touch in one plane, another is behind them: each keeps its own colour in every pixel.
 TEST_P(CacheRate, SurfacesNeverMix) {
   ContentBuilder b("neighbours");
   const auto pane = [&](const char* name, glm::vec3 color, glm::vec3 low, glm::vec3 high) {
@@ -180,8 +180,8 @@ uint64_t rim_of(const Frame& frame) {
   return rim;
 }
 
-// At 85 and 88 degrees the distance changes by more from pixel to pixel than any fixed share of it tells surfaces apart
-// with; in the plane, all neighbours but those beyond the rim are donors.
+// At 85 and 88 degrees the distance changes more between pixels than any fixed tolerance allows. All neighbours in the
+// plane are donors, except those beyond the rim.
 TEST_P(CacheRate, AGlancingPaneKeepsItsDonors) {
   for (const double angle : {80.0, 85.0, 88.0}) {
     const tests::Setup setup{.layers = 1, .aovs = SIDERAY_AOV_LAYERS | SIDERAY_AOV_MASK, .repeats = 1};
@@ -252,7 +252,7 @@ TEST_P(CacheRate, SameBitsForAnyThreadCount) {
   EXPECT_EQ(render(edges(), setup).planes, one.planes);
 }
 
-// What a renderer drew before, at any rate and from any place, leaves nothing behind.
+// A renderer's earlier pictures, at any rate and from any place, do not influence later ones.
 TEST_P(CacheRate, EarlierPicturesLeaveNothing) {
   const Content content = edges();
   Renderer renderer = Renderer::create(sideray_renderer_defaults()).value();

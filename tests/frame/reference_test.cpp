@@ -1,4 +1,4 @@
-// The reference beside the other ways of drawing, where they must agree.
+// Compares the reference with the other ways of drawing where they must agree.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,8 +26,8 @@ scenes::Content without_light_sizes(const char* name) {
   return content;
 }
 
-// Without shadows, surroundings and sizes of lights nothing is sampled: what is left are texture filters and the pixels
-// on edges. Measured: 4.8e-5 (empty) and 3.9e-5 (panes).
+// Without shadows, an environment and light sizes nothing is sampled: only texture filters and edges differ. Measured:
+// 4.8e-5 (empty) and 3.9e-5 (panes).
 TEST(Reference, EqualsRasterWhereThatTakesNoShortcuts) {
   for (const char* name : {"empty", "panes"}) {
     const scenes::Content content = without_light_sizes(name);
@@ -43,8 +43,8 @@ TEST(Reference, EqualsRasterWhereThatTakesNoShortcuts) {
   }
 }
 
-// Opaque surfaces under the sky: what raster looks up, the reference samples. The difference falls with the samples to
-// what the look-ups get wrong.
+// The reference samples the sky, for which raster has lookups. With more samples the difference falls to the error of
+// the lookups.
 TEST(Reference, ConvergesTowardRasterAsSamplesGrow) {
   const scenes::Content content = without_light_sizes("empty");
   tests::Setup setup{.width = 80, .height = 45, .translucency = SIDERAY_TRANSLUCENCY_RASTER};
@@ -68,7 +68,7 @@ TEST(Reference, ConvergesTowardRasterAsSamplesGrow) {
   }
 }
 
-// The same layers by way of the service: only the opaque part is the rasterizer's.
+// The same layers through the service, over the rasterizer's opaque picture.
 TEST(Reference, OfTheLayersAloneIsTheSamePicture) {
   const scenes::Content content = without_light_sizes("panes");
   tests::Setup setup{.width = 160, .height = 90, .translucency = SIDERAY_TRANSLUCENCY_REFERENCE};

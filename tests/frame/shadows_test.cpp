@@ -1,4 +1,4 @@
-// Shadows by rays in whole frames: plants that wind has moved away from what rays hit.
+// Tests ray-traced shadows in whole frames: plants whose drawn poses differ from those that rays hit.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ double mean_difference(const std::vector<float>& a, const std::vector<float>& b)
   return sum / static_cast<double>(a.size());
 }
 
-// The scene's one light as many, each a part of it at the same place.
+// Splits the scene's light into equal parts at the same place.
 scenes::Content with_parts_of_light(scenes::Content content, size_t parts) {
   scenes::Light part = content.lights.at(0);
   part.light.radius = part.light.angular_diameter_deg = 0.0f;
@@ -33,8 +33,8 @@ TEST(ManyLights, ThoseBeyondThe32ndShareAMaskInsteadOfShadowMaps) {
   ASSERT_EQ(content.lights.size(), 1u);
   const Frame one = render(with_parts_of_light(content, 1), setup),
               many = render(with_parts_of_light(content, 48), setup);
-  // Whichever of the shared lights a pixel's ray goes to, it is at the place of the single one. No ray goes from where
-  // all of them are behind the surface: there the mask is lit, and counts for nothing.
+  // All shared lights are at the place of the single one, so the drawn light does not matter. Pixels behind which all
+  // lights are have no rays; there the mask is lit and has no effect.
   ASSERT_TRUE(many.planes.contains("shadow.combined"));
   const std::vector<float>& combined = many.planes.at("shadow.combined");
   const std::vector<float>& single = one.planes.at("shadow.0");
@@ -56,8 +56,8 @@ TEST(ManyLights, ThoseBeyondThe32ndShareAMaskInsteadOfShadowMaps) {
   EXPECT_GT(many.stats.rays_shadow, 33 * one.stats.rays_shadow - combined.size() / 100);
 }
 
-// What hides the surroundings throws as much back as it hides where everything is white and all surroundings are alike,
-// and hardly anything where it is nearly black.
+// Occluders reflect as much light as they hide where everything is white under a constant environment, and hardly any
+// where they are nearly black.
 TEST(Occlusion, IsMadeUpForByWhatHidesTheSurroundings) {
   const auto red_of = [](float albedo, bool ao) {
     scenes::Content content = scenes::generate("empty", {});
@@ -105,7 +105,7 @@ std::vector<uint64_t> rays_of_a_still_sequence(uint32_t pictures) {
   return rays;
 }
 
-// The mean over 8 frames has settled after 47.
+// The mean over 8 frames converges after 47.
 TEST(StillSequence, IsTracedUntilItsMasksHaveSettled) {
   const std::vector<uint64_t> rays = rays_of_a_still_sequence(52);
   const auto first = static_cast<size_t>(std::find(rays.begin(), rays.end(), uint64_t{0}) - rays.begin());
@@ -146,8 +146,8 @@ TEST_F(ForestShadows, TheSameBitsForAnyThreadCount) {
   EXPECT_EQ(lit(SIDERAY_SHADOWS_INEXACT, 1), one);
 }
 
-// Glass takes from the sky and throws nothing back: a white floor under panes is darker by what they keep, where a wall
-// that hid as much would leave it as bright.
+// Glass reduces the sky's light and reflects none: a white floor under panes is darker, while a white wall that hid as
+// much would reflect it back.
 TEST(Occlusion, GlassThrowsNothingBack) {
   const auto floor_under = [](bool ao) {
     scenes::Content content = scenes::generate("solids", {});

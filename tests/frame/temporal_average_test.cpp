@@ -1,5 +1,5 @@
-// Temporal anti-aliasing and motion through the public interface: a straight edge against its exact coverage, what is
-// left of things that went, and what must not change a picture.
+// Tests temporal anti-aliasing and motion through the public interface: a straight edge against its exact coverage,
+// ghosts, and options that must not change a picture.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -62,7 +62,7 @@ class Cards {
     scene_.commit();
   }
 
-  // As the next of a sequence; channels, top row first.
+  // Draws the next picture of a sequence; returns channels, top row first.
   std::map<std::string, std::vector<float>> draw(const sideray_camera& camera = pixel_camera()) {
     const Picture picture = renderer_.render(scene_, camera, options).value();
     options.picture.continues = 1;
@@ -89,7 +89,7 @@ void place_edge(Cards& cards) {
   cards.place(2, (offset - size) * std::cos(angle), (offset - size) * std::sin(angle), 1, angle, size);
 }
 
-// Of the square of pixel (x, row), by clipping it at the edge.
+// Returns the covered share of pixel (x, row), by clipping its square at the edge.
 double coverage(uint32_t x, uint32_t row) {
   const double left = x - 0.5 * width, low = 0.5 * height - 1.0 - row;
   const double corners[4][2] = {{left, low}, {left + 1, low}, {left + 1, low + 1}, {left, low + 1}};
@@ -150,7 +150,7 @@ TEST(TemporalAverage, AStillEdgeConvergesToItsCoverage) {
   EXPECT_LT(changes, 0.2 * mean_difference(cards.draw().at("R"), exact)) << "a still camera's pictures are steady";
 }
 
-// A pixel and a half in each frame: filtering the past again and again costs sharpness, and less than edges gain.
+// The edge moves 1.5 pixels a frame: repeated filtering of the history costs less sharpness than edges gain.
 TEST(TemporalAverage, AMovingEdgeIsBetterThanWithoutItsPast) {
   Cards cards;
   place_edge(cards);
@@ -162,7 +162,7 @@ TEST(TemporalAverage, AMovingEdgeIsBetterThanWithoutItsPast) {
   EXPECT_LT(average, 0.8 * error_of(cards.draw().at("R")));
 }
 
-// So near the wall that no depth tells that it went.
+// The card is so near the wall that depth does not show its disappearance.
 TEST(TemporalAverage, NothingIsLeftOfABrightCardThatWent) {
   Cards cards;
   std::vector<float> before, after;

@@ -1,4 +1,4 @@
-// How layers are stored and moved, on whole frames.
+// Tests the storage and upload of layers on whole frames.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace sideray::tests {
 namespace {
 
-// Which way the bytes take is measured, so it must not be seen in the picture.
+// The way of uploads is chosen by measurements, so it must not change the picture.
 TEST(Transport, IsNotSeenInThePicture) {
   const scenes::Content content = scenes::generate("panes", {});
   for (const sideray_translucency translucency : {SIDERAY_TRANSLUCENCY_HYBRID, SIDERAY_TRANSLUCENCY_RAYTRACED}) {

@@ -1,5 +1,5 @@
-// Structs of other versions than the library's: a shorter one is read as if what it lacks had its default, a longer one
-// is accepted where what is not known is 0, and refused by name where it is not; a size that none can have is refused.
+// Tests structs of other versions: fields that a shorter one lacks have their defaults, unknown fields of a longer one
+// must be 0 or are refused by name, and impossible sizes are refused.
 #include <gmock/gmock.h>
 
 #include <sideray/diagnostics.h>
@@ -31,15 +31,15 @@ Answer answer(const std::function<sideray_status(sideray_error*)>& call) {
   return {status, error.message};
 }
 
-// As a caller has it who was compiled with a later version.
+// A struct as in a later version.
 template <typename T>
 struct Later {
   T known;
   uint64_t unknown = 0;
 };
 
-// `accepts` gives the struct to the library. `garbage` fills its last field, of which the struct lacks `last_field` and
-// what comes behind it, with what the library would refuse.
+// `accepts` passes the struct to the library. `garbage` fills the last field, at `last_field`, which an older struct
+// lacks, with a value that the library would refuse.
 template <typename T>
 void expect_versions(const char* name, const T& valid, size_t last_field, const std::function<void(T&)>& garbage,
                      const std::function<sideray_status(const T*, sideray_error*)>& accepts) {

@@ -15,9 +15,9 @@
 #include "fuzz/fuzz.h"
 #include "fuzz/random.h"
 
-// Random calls of the C interface of scenes, valid ones and others, with allocations that fail, against a model of what
-// each call has to answer: `fuzz_calls SEED COUNT` runs COUNT sequences of up to 64 calls. A call that fails has changed
-// nothing, so the model goes on as if it had not been made.
+// Makes random valid and invalid calls of the C interface of scenes, with failing allocations, and compares results
+// with a model: `fuzz_calls SEED COUNT` runs COUNT sequences of up to 64 calls. A failed call must change nothing, so
+// the model ignores it.
 namespace {
 
 // Allocations of this thread until one fails; below 0 none does.
@@ -61,7 +61,7 @@ struct Instance {
   double transform[12];
 };
 
-// What the scene holds, as far as answers depend on it.
+// Models the scene as far as results depend on it.
 struct Model {
   std::map<uint32_t, Mesh> meshes;
   std::map<uint32_t, int> textures;  // users
@@ -86,7 +86,7 @@ class Sequence {
     const uint32_t calls = 1 + random_.below(64);
     std::optional<std::thread> reader;
     std::atomic<bool> stop = false;
-    // What is committed may be asked for while the scene is edited.
+    // The committed state may be queried while the scene is edited.
     if (random_.one_in(64)) reader.emplace([&] { read_bounds(stop); });
     for (uint32_t i = 0; i < calls; ++i) call();
     stop = true;
@@ -121,7 +121,7 @@ class Sequence {
     (this->*random_.of(calls))();
   }
 
-  // Makes the call, with a failing allocation now and then. `valid`: what the model says. True where it was done.
+  // Makes the call, sometimes with a failing allocation. `valid` is the model's answer. Returns whether it succeeded.
   template <typename Function>
   bool make(const char* name, bool valid, const Function& function) {
     error_.message[0] = '\0';
@@ -142,7 +142,7 @@ class Sequence {
     fuzz::check_line(error_.message);
   }
 
-  // A name that is there, or now and then one that is not.
+  // Returns an existing handle, sometimes an invalid one.
   template <typename Map>
   uint32_t name_of(const Map& map) {
     if (map.empty() || random_.one_in(10)) return random_.pick<uint32_t>({0, 1, 7, 1000, 0xffffffffu});
@@ -234,7 +234,7 @@ class Sequence {
     if (make("remove_mesh", valid, [&] { return sideray_scene_remove_mesh(scene_, name, &error_); }))
       model_.meshes.erase(found);
   }
-  // Vertices as many as no mesh has are refused.
+  // Sets vertices; a count that differs from the mesh's is refused.
   void set_vertices() {
     MeshDesc d;
     describe_mesh(d);
@@ -499,7 +499,7 @@ class Sequence {
     for (const auto& [name, instance] : model_.instances) any_moves_ = any_moves_ || is_moving_[name];
   }
 
-  // Wind widens bounds by what it may move: then they are at least those of what stands still.
+  // Checks bounds. Wind widens them, so that they are at least those without wind.
   void bounds() {
     double low[3], high[3], least[3] = {INFINITY, INFINITY, INFINITY}, most[3] = {-INFINITY, -INFINITY, -INFINITY};
     const sideray_status status = sideray_scene_bounds(scene_, low, high, &error_);

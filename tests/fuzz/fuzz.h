@@ -1,4 +1,4 @@
-// What the fuzz targets share: a file in memory that the readers can open, and what an Error must look like. One
+// Shared code of the fuzz targets: a file in memory that readers can open, and the required form of an Error. One
 // thread.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace sideray::fuzz {
 
-// What is being run, for the line that a broken promise or a crash ends with.
+// Names the current input, for the message of a broken promise or a crash.
 inline const char* running_what = nullptr;
 inline unsigned long long running_number = 0;
 inline void print_running() {
@@ -33,8 +33,8 @@ inline void note(const char* what, unsigned long long number) {
   running_what = what, running_number = number;
 }
 
-// Whether SIGTERM or SIGINT asked for the end, which a run takes between two inputs, so that it can still say how far
-// it came: `timeout 60 fuzz_NAME SEED COUNT` counts what was done in a minute.
+// Set by SIGTERM and SIGINT. The run then ends after the current input and prints its progress: `timeout 60 fuzz_NAME
+// SEED COUNT` counts the inputs of a minute.
 inline volatile std::sig_atomic_t has_to_stop = 0;
 inline void stop_at_signals() {
   for (const int signal : {SIGTERM, SIGINT}) std::signal(signal, [](int) { has_to_stop = 1; });

@@ -294,7 +294,7 @@ class Document {
     json_["animations"].push_back(animation);
   }
 
-  // Lets a channel change what it points at, where that is there.
+  // Lets a channel animate a property by a pointer, if it exists.
   void add_pointer() {
     struct Pointed {
       const char* pointer;

@@ -1,4 +1,4 @@
-// glTF documents made by the rules of the format, whole or with some of their values broken. Test support.
+// Makes glTF documents by the rules of the format, valid or with some values broken. Test support.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -7,9 +7,8 @@
 #include "fuzz/grammar.h"
 #include "fuzz/scene_promises.h"
 
-// glTF by grammar: `fuzz_grammar SEED COUNT` loads COUNT documents, of which one in four is whole and has to load and
-// the others are broken; `fuzz_grammar SEED 1 FILE` writes the document of a seed besides. SIGTERM ends a run before
-// COUNT.
+// Fuzzes glTF by grammar: `fuzz_grammar SEED COUNT` loads COUNT documents, of which one in four is valid and must load,
+// and the others are broken. `fuzz_grammar SEED 1 FILE` also writes the seed's document. SIGTERM ends a run early.
 namespace {
 
 using namespace sideray;

@@ -1,4 +1,4 @@
-// What holds of any bytes that are given to the glTF loader. Test support; one thread.
+// Checks promises that hold for any bytes given to the glTF loader. Test support; one thread.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,7 @@
 
 namespace sideray::fuzz {
 
-// Everything behind the loader takes what it has loaded without a further question.
+// Uses loaded content in every way; nothing of it may fail.
 inline void use(const scenes::Content& content) {
   const sideray_camera camera =
       content.cameras.empty() ? scenes::framing_camera(content, 1.0f) : content.cameras[0].camera;

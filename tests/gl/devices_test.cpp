@@ -1,5 +1,5 @@
-// What the listing says on machines that lack something. Drivers read their environment once, so each case is a child
-// process: this program again, with one case and the variables that take a part away.
+// Tests the list of devices on machines that lack something. Drivers read their environment once, so each case runs
+// this program again, with variables that hide a part.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <sys/wait.h>
@@ -30,7 +30,7 @@ struct Outcome {
 // `environment`: "NAME=value NAME=value", put before the command.
 Outcome run_child(const std::string& environment, const std::string& test) {
   const std::string program = std::filesystem::read_symlink("/proc/self/exe").string();
-  // In the shell's place: a shell left waiting would report a crash of the child as if it were this program's.
+  // `exec` replaces the shell, which would report the child's crash as this program's.
   const std::string command = "exec env " + environment + " '" + program + "' --gtest_also_run_disabled_tests " +
                               "--gtest_filter='" + test + "' 2>&1";
   Outcome outcome;
@@ -130,7 +130,7 @@ TEST(Devices, MissingLibrariesAreExplainedAllAtOnce) {
   std::filesystem::create_directories(folder);
   for (const char* name : {"libEGL.so.1", "libOSMesa.so.8", "libOSMesa.so.6"})
     std::ofstream(folder / name) << "not a library";
-  // What this program itself was found by stays behind it.
+  // Keeps the path by which this program's own libraries were found.
   const char* given = std::getenv("LD_LIBRARY_PATH");
   const std::string path =
       "'LD_LIBRARY_PATH=" + folder.string() + (given != nullptr ? ":" : "") + (given != nullptr ? given : "") + "'";

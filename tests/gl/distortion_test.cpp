@@ -1,4 +1,4 @@
-// Screen-space distortion against what its definition says, on pictures whose undistorted form is known.
+// Compares screen-space distortion with its definition, on pictures whose undistorted form is known.
 #include <cstring>
 
 #include "gl/gl_contexts.h"
@@ -112,8 +112,8 @@ TEST_F(Distortion, OfSurfacesBehindEachOtherAddsUpInAnyOrder) {
   EXPECT_EQ(0, std::memcmp(pictures[0].data(), pictures[1].data(), pictures[0].size() * sizeof(glm::vec4)));
 }
 
-// A white post before the air, black wall behind: nothing of the post is drawn into the air beside it, and the post
-// itself stays as it is.
+// With a white post in front of the air and a black wall behind, the air must not show the post, and the post must not
+// change.
 TEST_F(Distortion, NeverShowsWhatIsInFront) {
   SceneBuilder builder;
   builder.quad(builder.material(unlit({0, 0, 0, 1})), {0, 0, -1}, 4, 1);
@@ -125,7 +125,7 @@ TEST_F(Distortion, NeverShowsWhatIsInFront) {
   EXPECT_EQ(picture(builder, flat_camera({0, 0, 5}), true), plain);
 }
 
-// What lies behind the air does move into it, also from before a farther distorting surface.
+// The air shows displaced surfaces behind it, also those in front of a farther distorting surface.
 TEST_F(Distortion, ShowsWhatIsBehindTheNearestDistortingSurface) {
   SceneBuilder builder;
   builder.quad(builder.material(unlit({0, 0, 0, 1})), {0, 0, -3}, 4, 1);

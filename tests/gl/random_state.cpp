@@ -12,7 +12,7 @@ struct Named {
   int size;
 };
 
-// Names of state as glGet knows them; the list is kept apart from that of the guards on purpose.
+// Names of state for glGet. The list is deliberately separate from that of the guards.
 constexpr Named plain_state[] = {{GL_READ_FRAMEBUFFER_BINDING, 1},
                                  {GL_DRAW_FRAMEBUFFER_BINDING, 1},
                                  {GL_RENDERBUFFER_BINDING, 1},

@@ -1,4 +1,4 @@
-// OpenGL state set at random and read back as the driver tells it: what the tests of the state guards compare.
+// Sets OpenGL state at random and reads it back from the driver, for the tests of the state guards.
 #pragma once
 
 #include <functional>
@@ -19,7 +19,7 @@ inline constexpr uint32_t unit_count = 28, uniform_points = 4, storage_points = 
 // Of the state of one unit, as read_state() names it; a target of textures, or GL_SAMPLER_BINDING.
 std::string unit_item(uint32_t unit, GLenum target);
 
-// The stencil reference is told unclamped only while a framebuffer with a stencil buffer is bound.
+// Reads the state. Queries of the stencil reference are clamped unless a framebuffer with a stencil buffer is bound.
 State read_state(const Functions& gl, const std::function<void()>& bind_stencil_framebuffer);
 
 // One line for each item that is not the same.
@@ -158,7 +158,7 @@ class Shaker {
     }
   }
 
-  // What the rasterizer touches or depends on, and the service does not.
+  // Changes state that only the rasterizer touches or depends on, not the service.
   void shake_rasterization() {
     gl.CullFace(coin() ? GL_FRONT : GL_BACK);
     gl.FrontFace(coin() ? GL_CW : GL_CCW);
@@ -181,7 +181,7 @@ class Shaker {
     gl.ActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(number(0, unit_count - 1)));
   }
 
-  // What guards do not cover, because nothing of ours touches it.
+  // Changes state that guards do not cover, because our code does not touch it.
   void shake_rest() {
     for (uint32_t unit = 0; unit < unit_count; ++unit) {
       gl.ActiveTexture(GL_TEXTURE0 + unit);

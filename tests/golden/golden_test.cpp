@@ -1,5 +1,5 @@
-// Small pictures of every way of drawing against those in the repository. cases.json lists them; a line there and
-// `cmake --build build --target update_golden` add one. See tests/golden/README.md for what the bounds mean.
+// Compares small pictures of every way of drawing with those in the repository. cases.json lists them; a line there and
+// `cmake --build build --target update_golden` add one. tests/golden/README.md explains the bounds.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -59,7 +59,7 @@ std::string command(const Case& c) {
                        : fmt::format(" -o '{}'", c.picture().string()));
 }
 
-// What the bits depend on, as far as strings say it.
+// Returns the device's strings on which bits depend.
 json device_of(const json& stats) {
   const json& device = stats.at("device");
   return {{"renderer", device.at("renderer")}, {"version", device.at("version")}, {"isa", device.value("isa", "")}};
@@ -170,8 +170,8 @@ TEST(GoldenList, HasALineForEveryImage) {
   EXPECT_LE(bytes, uintmax_t{2} << 20);
 }
 
-// A picture that another case has too says nothing about what its own options do: it wants a scene on which they show, or
-// `same_as` where the two agree by design.
+// Two cases with the same picture do not test their options: one needs a scene where they show, or `same_as` where the
+// two agree by design.
 TEST(GoldenList, HasNoImageTwice) {
   std::map<std::vector<float>, std::string> seen;
   for (const Case& c : cases()) {

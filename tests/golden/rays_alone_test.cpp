@@ -1,6 +1,6 @@
-// The golden cases without OpenGL have the bits that rays_alone.json says, on every machine: whatever its instruction set,
-// its C library and the number of its cores. SIDERAY_UPDATE_GOLDEN records them. tests/CMakeLists.txt runs this for
-// several instruction sets.
+// Tests that golden cases without OpenGL have the bits recorded in rays_alone.json on every machine, for any
+// instruction set, C library and number of cores. SIDERAY_UPDATE_GOLDEN records them. tests/CMakeLists.txt runs this
+// for several instruction sets.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -22,7 +22,7 @@ using nlohmann::ordered_json;
 
 const fs::path list = SIDERAY_SOURCE_DIR "/tests/golden/rays_alone.json";
 
-// Of values, not of files, whose compression is another library's.
+// Hashes values, not files, whose compression depends on a library.
 std::string digest_of(const scenes::Image& image) {
   uint64_t hash = scenes::empty_hash;
   const auto add = [&hash](const void* bytes, size_t size) {

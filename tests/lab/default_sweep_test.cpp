@@ -1,4 +1,4 @@
-// The lists that `chart` has built in: as long as the scene needs, and no point twice.
+// Tests the built-in lists of `chart`: as long as the scene needs, without duplicates.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -81,7 +81,7 @@ TEST(DefaultSweep, HoldsBothBaselines) {
   EXPECT_EQ(count_of(plants, {{"shadows", "exact"}, {"poses", "all"}}), 2u);
 }
 
-// The union of both lists says what they share once; what is too much is the finest.
+// The union of both lists has common points once, and leaves out the finest points if it is too long.
 TEST(DefaultSweep, AllIsBoth) {
   const DefaultSweep all = default_sweep(Sweep::all, everything());
   for (const char* shadows : {"off", "map", "exact", "inexact"})
@@ -103,7 +103,7 @@ TEST(DefaultSweep, GlassThatIsNotThereIsNotSwept) {
   EXPECT_EQ(count_of(without_layers, {{"translucency", "hybrid"}}), 0u);
   EXPECT_GE(count_of(without_layers, {{"translucency", "raytraced"}}), 5u);
   EXPECT_THAT(without_layers.left_out, Contains(HasSubstr("no hybrid")));
-  // Then raster is what is drawn by default, and exact shadows what inexact ones are.
+  // Here the default draws as raster, and inexact shadows equal exact ones.
   const DefaultSweep all = default_sweep(Sweep::all, rough);
   EXPECT_THAT(all.configurations, Contains(Configuration{{"translucency", "raster"}}));
   EXPECT_THAT(all.configurations, Not(Contains(Configuration{{"shadows", "exact"}})));

@@ -1,4 +1,4 @@
-// Which object is said to have changed, on pictures whose objects are known.
+// Tests which object is reported as changed, on pictures with known objects.
 #include "lab/golden/changes.h"
 
 #include <gmock/gmock.h>
@@ -122,7 +122,7 @@ TEST(GoldenChanges, ADifferentPlaceIsAMoveWhereColoursChange) {
   EXPECT_THAT(said(between(now, reference)), ElementsAre("'wall' moved (9 pixels)"));
 }
 
-// The reason stands first, whatever else it changed.
+// The moved object comes first, as the cause of other changes.
 TEST(GoldenChanges, MovesStandBeforeLooks) {
   const Drawn reference = draw({square("floor", 1, 6, 9), square("vase", 2, 1, 3)});
   const Drawn now = draw({square("floor", 1, 6, 9, 0.25f), square("vase", 2, 2, 3)});

@@ -148,7 +148,7 @@ TEST(Ledger, PicturesOfOtherSizesAreRefused) {
   }
 }
 
-// What is apart leaves the last residual there, and nothing else.
+// Marked pixels are taken out of the last residual, and of nothing else.
 TEST(Ledger, PixelsApartHaveAResidualOfTheirOwn) {
   const auto error = [](size_t i, size_t c) { return truth(i, c) + left_half(i, c) + right_half(i, c); };
   const std::vector<LedgerPicture> chain{{"first", image_of(error)}, {"last", image_of(error)}};

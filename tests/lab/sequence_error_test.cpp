@@ -42,8 +42,8 @@ TEST(SequenceError, HoldsMeansOfTheMetrics) {
   EXPECT_FALSE(result.contains("hdr_flip")) << "display images have none";
 }
 
-// Steps of 0.1 and 0.2, after two frames that do not count, over a reference that stands still: half their mean square,
-// and along the motion the same.
+// Steps of 0.1 and 0.2, after two frames that do not count, over a constant reference: half their mean square, and the
+// same along the motion.
 TEST(SequenceError, HoldsWhatShowsInTime) {
   SequenceError error(5);
   for (const double value : {0.9, 0.1, 0.5, 0.6, 0.4}) error.add(flat(value), flat(0.45), still());

@@ -1,4 +1,4 @@
-// Whatever was replaced, removed and added again, a commit is that of a scene built from nothing with the same content.
+// Tests that after any edits a commit equals that of a new scene with the same content.
 #include <gmock/gmock.h>
 
 #include <cstring>

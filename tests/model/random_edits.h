@@ -1,4 +1,4 @@
-// Random edits of a scene beside a plain model of what it should hold: for tests of what edits leave behind.
+// Makes random edits of a scene and of a simple model of its content, for tests of edits.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -227,7 +227,7 @@ class RandomEdits {
       if (does(thing)) return true;
     return false;
   }
-  // What is in use is refused, and nothing else.
+  // Removes something; only the removal of something in use may be refused.
   template <typename Remove>
   bool removed(bool used, const Remove& remove) {
     try {

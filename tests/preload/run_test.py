@@ -160,7 +160,7 @@ class RunTest(unittest.TestCase):
         self.assertEqual(seen.pixels, linked.pixels)
 
     def test_the_order_of_draws_stays(self):
-        """Smoke before the pane lies over what the pane reflects, and an overlay over both."""
+        """Smoke in front of the pane covers its reflections, and an overlay covers both."""
         plain, pane = self.plain("smoke", "overlay"), self.plain()
         seen, _, figures = self.run_fixed("smoke", "overlay")
         self.assertEqual(figures["draws_held"], 6)
@@ -192,7 +192,7 @@ class RunTest(unittest.TestCase):
         self.assertEqual(figures["frames_with_rays"], 4)
 
     def test_another_level_leaves_nothing_of_the_first(self):
-        """Lists and textures are deleted and made anew, under the same names, and the window has another size."""
+        """Lists and textures are deleted and made again under the same names, and the window is resized."""
         for options in ((), ("--late",)):
             seen, said, _ = self.run_fixed("levels", "slow", frames=20, options=options)
             fresh, _, _ = self.run_fixed("level2", "slow", frames=20, options=options)

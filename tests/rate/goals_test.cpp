@@ -1,6 +1,6 @@
-// Goals of the reduced rates, on whole scenes: the share of rays, and the error near the edges of layers. Prints what
-// it measures. SIDERAY_GOAL_SIZE=1920x1080 measures at another size; the goals are those of 1280x720, and a smaller
-// picture has more edges than they allow for.
+// Tests the goals of reduced rates on whole scenes: the share of rays, and the error near edges of layers. Prints the
+// measurements. SIDERAY_GOAL_SIZE=1920x1080 measures another size; goals are for 1280x720, and smaller pictures have
+// too many edges for them.
 #include <gtest/gtest.h>
 
 #include <cstdio>

@@ -58,7 +58,7 @@ TEST(Animation, CubicSplinesAreExactForCubics) {
   EXPECT_EQ(glm::dvec3(sample(c, 5)), p(2));
 }
 
-// The two tangents of a key are its own: only the right one of each side counts.
+// A key has two tangents: the segment before it uses the in-tangent, the one after it the out-tangent.
 TEST(Animation, CubicSplinesUseTheOutTangentThenTheInTangent) {
   const float wrong = 1e6f;
   const Channel c = channel(Property::translation, Interpolation::cubic, {0, 2},
@@ -299,7 +299,7 @@ struct Arm : SmallGltf {
     primitive()["indices"] =
         add(std::vector<uint16_t>{0, 1, 3, 0, 3, 2, 2, 3, 5, 2, 5, 4, 4, 5, 7, 4, 7, 6}, 5123, "SCALAR", 18);
     joints_and_weights<float>(5121, 5126, 1.0);
-    // The mesh's node is moved far away, which says nothing; the skeleton stands at x = 10.
+    // The mesh's node is moved far away, which has no effect; the skeleton is at x = 10.
     auto& nodes = json["nodes"];
     nodes = {{{"mesh", 0}, {"skin", 0}, {"name", "arm"}, {"translation", {100, 100, 100}}},
              {{"children", {2}}, {"translation", {10, 0, 0}}},
@@ -313,7 +313,7 @@ struct Arm : SmallGltf {
     const size_t times = add(std::vector<float>{0, 1}, 5126, "SCALAR", 2);
     const float half = static_cast<float>(std::sqrt(0.5));
     const size_t turns = add(std::vector<float>{0, 0, 0, 1, 0, 0, half, half}, 5126, "VEC4", 2);
-    // Held: the last key again behind the first second, so that time 1 is not the start of the next round.
+    // The last key is repeated after the first second, so that time 1 is not the start of the next period.
     json["animations"] =
         json::array({animation_of({target(0, 3, "rotation"), target(1, 1, "scale")},
                                   {{{"input", times}, {"output", turns}},
@@ -364,7 +364,7 @@ TEST(Skin, EveryFormatOfJointsAndWeights) {
     EXPECT_THAT(load_at(*arm, 0.5).meshes.at(0).positions, Pointwise(FloatNear(2e-6f), bent_arm(pi / 4)));
 }
 
-// Both bones pull: linear blend skinning averages where they put the vertex.
+// With two bones linear blend skinning averages their positions of the vertex.
 TEST(Skin, TwoSetsBlend) {
   Arm arm;
   const size_t lower = arm.add(std::vector<uint8_t>(32, 0), 5121, "VEC4", 8),

@@ -6,7 +6,7 @@
 #include "scenes/images/images.h"
 #include "scenes/support.h"
 
-// Real files of many exporters, beside the checkout. Skipped with a message where they are absent.
+// Tests real files of many exporters, beside the checkout. Skipped with a message where they are absent.
 namespace sideray::scenes {
 namespace {
 

@@ -1,4 +1,4 @@
-// The bistro: what makes its glass right for rays, and its size bearable.
+// Tests that the bistro's glass is right for rays, and its size is small enough.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -172,7 +172,7 @@ TEST_P(Bistro, StaysInItsBudgets) {
   for (const Light& light : content.lights) EXPECT_GT(light.light.radius, 0.0f) << light.name;
 }
 
-// Each lamp stays where it is and what it is however many there are, but for the brightness that the small ones share.
+// More lamps do not change existing ones, except for the brightness that the small ones share.
 TEST(Builtin, TheBistrosLampsAreCounted) {
   const Content usual = generate("bistro", {});
   ASSERT_EQ(usual.lights.size(), 8u);

@@ -11,7 +11,7 @@
 #include "scenes/images/images.h"
 #include "scenes/support.h"
 
-// Small files that ask for much memory or time, with the limits lowered instead of the files made large.
+// Tests small files that ask for much memory or time, with lowered limits instead of large files.
 namespace sideray::scenes::bombs_test {
 namespace {
 
@@ -48,7 +48,7 @@ struct Bomb {
 
 void PrintTo(const Bomb& bomb, std::ostream* out) { *out << bomb.name; }
 
-// Each asks for more than the 0.7 MB that are left of 1.9 when the least that JSON and nodes are counted with is taken.
+// Each asks for more than 0.7 MB, which are left of 1.9 MB after the least that JSON and nodes take.
 const Bomb bombs[] = {
     {"Accessor", [](SmallGltf& g) { g.primitive()["attributes"]["POSITION"] = add_without_data(g, "VEC3", 200000); },
      "mesh tri, POSITION"},
@@ -214,7 +214,8 @@ TEST(Pictures, GivenByThemselvesAreRefusedBeforeTheyTakeMemory) {
   EXPECT_THAT(message_of([&] { read_image(folder / "a.hdr"); }), HasSubstr("3 channels of 16384 x 16384 pixels"));
 }
 
-// Names by the rule itself: who shares a name, or has none, gets its own, until nobody does.
+// Makes names unique by the rule itself: lights without a name or with a shared one get their own, until none is
+// shared.
 std::vector<std::string> unique_names(std::vector<std::string> names) {
   for (bool changed = true; changed;) {
     changed = false;
@@ -254,8 +255,8 @@ TEST(LightNames, AreMadeUniqueAsTheRuleSays) {
   }
 }
 
-// Each light has the own name of the next one, so that the clash of the last two goes through all of them: what once
-// took a pass over all lights for each.
+// Each light has the name that the next one would get, so that the clash of the last two passes through all of them.
+// That once took a pass over all lights for each.
 TEST(LightNames, OfAChainOfClashes) {
   std::vector<std::string> names;
   for (int i = 0; i < 1500; ++i) names.push_back("light" + std::to_string(i + 1));

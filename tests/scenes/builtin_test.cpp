@@ -198,7 +198,7 @@ TEST_P(EveryBuiltin, SameBytesTwiceAndReadsBackEqual) {
   expect_same(content, read);
 }
 
-// What moves moves alike after it was written and read.
+// Animations are the same after writing and reading.
 TEST(Bistro, ItsDollyTravelsAndSurvivesAFile) {
   const ScratchFolder folder;
   Content made = generate("bistro", {});

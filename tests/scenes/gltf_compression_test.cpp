@@ -10,7 +10,7 @@
 
 #include "scenes/support.h"
 
-// What the encoders of the two libraries write comes back, whole or refused.
+// Tests that output of the two libraries' encoders is read back, or refused if damaged.
 namespace sideray::scenes::gltf_compression_test {
 namespace {
 
@@ -48,7 +48,8 @@ struct Sheet {
 
 using Corner = std::array<float, 8>;  // position, normal, uv
 
-// Encoders reorder vertices and triangles: triangles, each turned to its smallest corner first, sorted by centre.
+// Returns the triangles in an order that does not depend on encoders: each begins with its smallest corner, and they
+// are sorted by centre.
 std::vector<std::array<Corner, 3>> triangles_of(const Mesh& mesh) {
   std::vector<std::array<Corner, 3>> triangles;
   for (size_t i = 0; i < mesh.indices.size(); i += 3) {

@@ -9,7 +9,7 @@
 #include "scenes/builtin/builtin.h"
 #include "scenes/support.h"
 
-// EXT_mesh_gpu_instancing, written and read: what many objects share is said once, and nothing of them is lost.
+// Tests writing and reading EXT_mesh_gpu_instancing: shared values are written once, and nothing is lost.
 namespace sideray::scenes {
 namespace {
 
@@ -146,7 +146,7 @@ TEST(Instances, MirroredOnesAreInstancesAndShearedOnesNodes) {
   EXPECT_EQ(sheared, 20u);
 }
 
-// Other programs know translation, rotation and scale alone: they see the same, as floats can say it.
+// Other programs read translation, rotation and scale alone, which give the same placement up to floats.
 TEST(Instances, FloatsSayThePlacesToo) {
   Content content = small_content();
   for (int i = 0; i < 20; ++i) content.objects.push_back(object_at("many", placement(i, i % 2 == 0 ? 1 : -1)));
@@ -381,7 +381,7 @@ std::string write_error(const Content& content) {
   return message;
 }
 
-// A colour and a strength, whose product they are, do not round them.
+// Lights are the product of a colour and a strength, which does not round them.
 TEST(Write, LightsComeBackToTheLastBit) {
   Content content = small_content();
   sideray_light light{};
@@ -418,7 +418,7 @@ TEST(WriteLimits, DeeperJsonThanIsReadIsRefused) {
   emitter.json = nested(70);
   content.emitters.push_back(emitter);
   EXPECT_THAT(write_error(content), HasSubstr("nested deeper than the 64"));
-  // The deepest that is written is the deepest that is read.
+  // The greatest depth that is written is the greatest that is read.
   for (int depth = 50; depth < 70; ++depth) {
     content.emitters[0].json = nested(depth);
     const ScratchFolder folder;

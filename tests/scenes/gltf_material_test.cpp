@@ -9,7 +9,7 @@
 #include "scenes/images/images.h"
 #include "scenes/support.h"
 
-// What materials and their textures become, and that writing them back loses nothing.
+// Tests the reading of materials and their textures, and that writing them loses nothing.
 namespace sideray::scenes {
 namespace {
 
@@ -130,7 +130,7 @@ TEST(GltfMaterial, EveryFactorIsRead) {
   EXPECT_EQ(material.desc.distortion, 0.125f);
 }
 
-// The order of `every_slot` is that of `material_slots`; each texture's red texel says which it is.
+// The order of `every_slot` is that of `material_slots`; each texture's red value identifies it.
 TEST(GltfMaterial, EverySlotHasItsTextureTransformAndColorSpace) {
   const Content content = every_slot().load();
   const std::set<std::string> colors{"base_color", "emissive", "specular_color", "sheen_color",

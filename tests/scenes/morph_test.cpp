@@ -8,7 +8,7 @@
 #include "scenes/content/animation.h"
 #include "scenes/support.h"
 
-// Morph targets: blended in closed form, with their weights at rest and over time, alone and under a skin.
+// Compares morph targets with closed forms, with weights at rest and over time, alone and under a skin.
 namespace sideray::scenes::morph_test {
 namespace {
 
@@ -185,7 +185,7 @@ TEST(Morph, PosingEqualsLoadingAtThatTime) {
   }
 }
 
-// What is written is the shape of the time; only cameras keep their animation.
+// Files are written with the shape at the current time; only cameras keep their animation.
 TEST(Morph, WrittenFilesHoldTheShapeOfTheTime) {
   Square g;
   g.animate({0, 1, 2}, {0, 0, 1, -2, 0, 0}, "LINEAR");
@@ -267,7 +267,7 @@ TEST(Morph, RaysMeetTheShapeOfTheTime) {
   }
 }
 
-// Exporters make such: a shape whose triangles have no area until a target opens it.
+// Exporters write shapes whose triangles have no area until a target opens them.
 TEST(Morph, WhatIsFoldedAtRestUnfolds) {
   Square g;
   g.primitive()["attributes"].erase("NORMAL");
@@ -350,7 +350,7 @@ TEST(Morph, WhatIsLeftOutIsSaid) {
   EXPECT_THAT(bare.load().warnings, ElementsAre("mesh tri: its targets have NORMAL, and it has none itself; left out"));
 }
 
-// Products that are too large for a position leave it where it was, whatever a spline does.
+// A vertex keeps its position where a product is too large, as splines may cause.
 TEST(Morph, NothingIsBlendedBeyondTheWorld) {
   Square g;
   g.primitive()["targets"][0]["POSITION"] = g.add(Square::same({0, 9e14f, 0}), 5126, "VEC3", 4);

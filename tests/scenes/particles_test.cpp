@@ -1,4 +1,4 @@
-// Particle systems: what descriptions are taken, and where their particles are.
+// Tests particle systems: accepted descriptions, and the places of particles.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -74,7 +74,7 @@ TEST(Particles, StateIsAFunctionOfTheTimeAlone) {
   EXPECT_FALSE(same_bits(forward[0], sprites_at(other, here, 0)));
 }
 
-// When the one particle of a system that happens once appears, to the last bit that matters.
+// Returns the time of birth of the only particle of a system that runs once, by bisection.
 double birth_of(const Particles& particles) {
   double before = 0, after = particles.lifetime.high;
   while (sprites_at(particles, here, after).empty()) after *= 0.75;

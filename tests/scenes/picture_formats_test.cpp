@@ -137,7 +137,7 @@ TEST(Pictures, WhatIsNoneOfThemIsNamed) {
   EXPECT_THAT(message_of([&] { decode_image(gif, "a.gif"); }), HasSubstr("a.gif: it is neither PNG, JPEG nor WebP"));
 }
 
-// A header that promises more than the limit, and nothing behind it: refused before anything is set aside for pixels.
+// A header of a size above the limit, without data: it is refused before memory is allocated for pixels.
 TEST(Pictures, BombsAreRefusedByTheirHeader) {
   Bytes wide = webp_lossless;
   // VP8L: 14 bits of width - 1, then 14 bits of height - 1, from bit 8 of the chunk's data on.

@@ -1,4 +1,4 @@
-// KHR_animation_pointer and KHR_node_visibility: what a channel makes of a value is what a file that gives it says.
+// Tests KHR_animation_pointer and KHR_node_visibility: an animated value gives the content of a file with this value.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -21,7 +21,7 @@ constexpr const char* pixel =
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGP4//8/AAX+Av4N70a4AAAAAElFTkSuQmCC";
 
 // One object of a material with every extension and texture, a light of each kind, and cameras. The object is twice as
-// large as its mesh, and so is what is thick.
+// large as its mesh, which doubles its thickness.
 struct Stage : SmallGltf {
   Stage() {
     json["images"] = {{{"uri", pixel}}};
@@ -128,7 +128,7 @@ TEST_P(Pointer, ChangesWhatAFileWouldSay) {
   expect_equal(content, still.load());
   pose(content, 0);
   expect_equal(content, start.load());
-  // And it did change something.
+  // The animation must have changed something.
   Scene scene = Scene::create().value();
   fill(scene, content, std::vector<bool>(content.objects.size(), true));
   const Content other = moving.load_at(1.5);

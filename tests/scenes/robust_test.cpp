@@ -8,7 +8,8 @@
 #include "fuzz/memory_file.h"
 #include "scenes/support.h"
 
-// Files that are broken, cut or hostile: refused by one clear line, or loaded as content that a scene takes.
+// Tests files that are broken, truncated or hostile: each is refused by one clear line, or loaded as content that a
+// scene accepts.
 namespace sideray::scenes::robust_test {
 namespace {
 
@@ -63,8 +64,7 @@ std::optional<int> validator_errors(const fs::path& path) {
   return nlohmann::json::parse(report).at("issues").at("numErrors").get<int>();
 }
 
-// Files that the validator, which does not ask whether anything can be drawn, finds no fault with, and that are refused
-// all the same.
+// Files that are refused although the validator, which does not check whether they can be drawn, finds no fault.
 const std::map<std::string, std::string>& refused_although_valid() {
   static const std::string buffers = "glTF-Validator/base/data/buffer/", no_data = "neither a uri nor a binary chunk";
   static const std::map<std::string, std::string> reasons{

@@ -1,4 +1,4 @@
-// KHR_materials_volume_scatter: what the surface becomes, where nothing scatters, and what is broken.
+// Tests KHR_materials_volume_scatter: the surface that it makes, materials without scattering, and broken files.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -47,7 +47,7 @@ TEST(Scattering, ThinOnesLetLightThrough) {
   const json white = {{"multiscatterColorFactor", {1, 1, 1}}};
   const sideray_material_desc clear = desc_of(body(1e4, "straight", white));
   EXPECT_GT(clear.transmission, 0.999f);
-  // What is white loses no light: a slab sends back what it does not let through.
+  // A white slab loses no light: it reflects what it does not transmit.
   const sideray_material_desc d = desc_of(body(0.2, "straight", white));
   EXPECT_NEAR(d.transmission, std::exp(-5.0), 1e-4);
   EXPECT_NEAR(d.base_color[0], 1.0f, 0.01f);

@@ -60,7 +60,7 @@ TEST(Selection, AutoTakesMarksAndSmoothGlass) {
   EXPECT_THAT(selected(content, "auto"), ElementsAre(false, false, true, false));
 }
 
-// What is seen through it is blurred by rays alone.
+// Only rays blur the view through it.
 TEST(Selection, AutoTakesRoughGlass) {
   Content content = four_quads();
   content.materials[2].desc.transmission = 1.0f;
@@ -81,7 +81,7 @@ TEST(Selection, AutoReadsTheMeanOfTheRoughnessTexture) {
   EXPECT_THAT(selected(content, "auto"), ElementsAre(false, true, false, false));
 }
 
-// What counts is the area in the picture, of which a lens may show a part.
+// The area in the picture decides, of which the lens may show only a part.
 TEST(Selection, LargestGoesByTheLens) {
   Content content = four_quads();
   content.objects[2].world_from_object[9] = 3.0;  // the big one, to the right

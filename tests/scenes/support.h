@@ -1,4 +1,4 @@
-// What the scene tests share: a folder that goes away, and small glTF files made of parts. One thread.
+// Shared code of the scene tests: a temporary folder, and small glTF files made of parts. One thread.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Lines and points of files as meshes: what their modes mean, and what is broken.
+// Tests lines and points of files as meshes: their modes, and broken files.
 #include <gmock/gmock.h>
 
 #include <cmath>

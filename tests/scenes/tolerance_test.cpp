@@ -6,8 +6,7 @@
 #include "scenes/images/images.h"
 #include "scenes/support.h"
 
-// What exporters write beside the letter of glTF is shown, and a warning says what was done; what is far outside stays
-// refused.
+// Tests that slight violations of glTF by exporters are accepted with a warning, and that large ones are refused.
 namespace sideray::scenes::tolerance_test {
 namespace {
 
@@ -35,7 +34,7 @@ sideray_material_desc desc_of(SmallGltf g) {
   return g.load().materials.at(0).desc;
 }
 
-// Whether a scene takes it is what counts in the end.
+// Expects that a scene accepts the content.
 void expect_shown(const Content& content, size_t objects = 1) {
   EXPECT_EQ(content.objects.size(), objects);
   Scene scene = Scene::create().value();
@@ -283,7 +282,7 @@ TEST(Tolerance, FarOutsideStaysRefused) {
   EXPECT_THAT(with_animation({1, 0}, "LINEAR").load_error(), HasSubstr("growing"));
 }
 
-// A scene that lists a child of another node shows it where its parent has it, whatever the order.
+// A child that the scene lists as well is placed by its parent, in any order.
 TEST(Tolerance, AChildThatTheSceneListsStaysWithItsParent) {
   for (const json& listed : {json{0, 1}, json{1, 0}}) {
     SmallGltf g;

@@ -1,4 +1,4 @@
-// Variants of materials: which materials are shown, and what is refused.
+// Tests variants of materials: which materials are shown, and refusals.
 #include <gmock/gmock.h>
 #include <sideray/scenes.h>
 

@@ -1,6 +1,6 @@
-// What rays that hit other poses than the drawn ones get wrong, of shadows and of ambient occlusion: a plant's pixel
-// against the same ray through exact poses. Prints the tables of docs/foliage.md; script/tables/foliage runs it at the
-// size given there.
+// Measures errors of shadows and ambient occlusion by rays that hit other poses than the drawn ones: compares each
+// pixel of a plant with the same ray through exact poses. Prints the tables of docs/foliage.md; script/tables/foliage
+// runs it at the size given there.
 #include <sideray/diagnostics.h>
 
 #include <fmt/format.h>
@@ -36,14 +36,14 @@ struct Way {
 constexpr Way truth_way{.name = "exact poses", .poses = SIDERAY_POSES_ALL};
 constexpr sideray_shadows inexact_rays = SIDERAY_SHADOWS_INEXACT;
 
-// One value a pixel that shows a surface, the same pixels in each of two masks that are compared.
+// Holds one value for each pixel that shows a surface; compared masks have the same pixels.
 struct Masks {
   std::vector<float> lit, color;
   std::vector<bool> seen;
 };
 
-// Content whose surfaces show nothing but how open they are to the sky: diffuse, and with a sun that is too weak to be
-// seen but has its mask.
+// Returns content whose colours show only the sky's visibility: diffuse, with a sun that is too weak to see but has a
+// mask.
 scenes::Content bare(scenes::Content content) {
   for (scenes::Material& m : content.materials) {
     m.desc.specular = m.desc.metallic = m.desc.diffuse_transmission = 0;
@@ -129,7 +129,7 @@ struct Rates {
   }
 };
 
-// How open to the sky: the light that is left of it.
+// Returns the sky's visibility: its light as a share of the unoccluded light.
 std::vector<float> openness(const Masks& masks, const Masks& unoccluded) {
   std::vector<float> open(masks.color.size(), 1.0f);
   for (size_t i = 0; i < open.size(); ++i)
@@ -211,7 +211,7 @@ scenes::Content cards() {
   return b.take();
 }
 
-// Of equal rays at a time that stands still, the seed alone changes: what varies beyond the truth is noise.
+// At a fixed time only the seed changes between pictures: variation beyond the truth's is noise.
 TEST(FoliageStreaks, CardsDoNotShadowThemselvesFromTheRestPose) {
   const scenes::Content content = cards();
   const sideray_camera& camera = content.cameras[0].camera;

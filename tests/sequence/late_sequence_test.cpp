@@ -1,4 +1,4 @@
-// Whole frames of a sequence under a deadline that leaves no time: they show what the first frame was told.
+// Tests frames of a sequence under a deadline that leaves no time: they show the first frame's answers.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -58,8 +58,8 @@ class LateSequence : public testing::TestWithParam<const char*> {
   sideray_camera camera_{};
 };
 
-// There are no filters, no jitter and the same random numbers in both frames. As the program draws a sequence, a view in
-// which nothing moves changes from frame to frame: StillView of test_cli.
+// Both frames have no filters, no jitter and the same random numbers. With the program's defaults a still view changes
+// from frame to frame: StillView of test_cli.
 TEST_P(LateSequence, WithoutTimeTheSameRaysHaveTheSameAnswers) {
   const std::vector<float> first = draw(ample, false, camera_);
   EXPECT_EQ(stats.pixels_late, 0u);

@@ -14,7 +14,7 @@ const gl::Functions& driver() {
   return current->context().functions();
 }
 
-// Whether a call goes on to the driver; a lost context answers for it.
+// Returns whether a call reaches the driver, which none does in a lost context.
 bool passes() {
   current->note_call();
   if (!current->is_lost()) return true;
@@ -128,7 +128,7 @@ GLenum GLAD_API_PTR get_error() {
   return error != GL_NO_ERROR ? error : driver().GetError();
 }
 
-// Of a lost context nothing is written.
+// In a lost context the results of queries are not written.
 void GLAD_API_PTR get_integer(GLenum name, GLint* value) {
   if (passes()) driver().GetIntegerv(name, value);
 }

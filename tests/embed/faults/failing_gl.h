@@ -1,4 +1,4 @@
-// OpenGL between the service and the driver: counts objects, and fails as told. One at a time; test support.
+// Wraps OpenGL between the service and the driver: counts objects, and fails as told. One at a time; test support.
 #pragma once
 
 #include <cstdint>
@@ -34,12 +34,12 @@ class FailingGl {
   bool has_failed() const { return failed_; }
   void forbid_calls(bool forbidden) { forbidden_ = forbidden; }
 
-  // Names that are there, by kind; fences too.
+  // Returns the number of existing objects of all kinds, with fences.
   size_t alive_count() const;
   int forbidden_calls() const { return forbidden_calls_; }
   int unknown_deletions() const { return unknown_deletions_; }
 
-  // Used by the entry points that stand in for the driver's.
+  // Used by the wrappers of entry points.
   bool strikes(Failure failure);
   bool is_lost() const { return lost_; }
   void raise(uint32_t error) { pending_ = pending_ == 0 ? error : pending_; }

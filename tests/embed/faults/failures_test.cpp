@@ -1,5 +1,6 @@
-// Drivers that run out of memory, give no names, never reach a fence or lose the context, at every place in turn: the
-// call says so, the host finds no error, the last good outputs and the next frame are as ever, and nothing leaks.
+// Simulates drivers that run out of memory, give no names, never reach a fence or lose the context, at every place in
+// turn: the call fails, the host finds no OpenGL error, the last good outputs and the next frame are unchanged, nothing
+// leaks.
 #include <gmock/gmock.h>
 
 #include <cstdlib>
@@ -42,13 +43,13 @@ class Failures : public testing::Test {
     const sideray_status status = submit_frame(service_, in, last_ticket_, &error);
     return status == SIDERAY_OK ? sideray_service_wait(service_, last_ticket_, -1, &error) : status;
   }
-  // The outputs of one kind of job: which frame they are of, and what they hold.
+  // Holds the outputs of one kind of job: the frame's ticket and the texels.
   struct Kept {
     sideray_ticket ticket = 0;
     std::vector<uint8_t> texels;
     bool operator==(const Kept&) const = default;
   };
-  // Of layers, masks and reflections, each of the newest frame that finished them.
+  // Outputs of layers, masks and reflections, each of the newest frame that finished them.
   using Outputs = std::array<Kept, 3>;
   Outputs newest() const {
     FrameOutputs out;
@@ -59,7 +60,7 @@ class Failures : public testing::Test {
   static bool hold_the_same(const Outputs& a, const Outputs& b) {
     return std::equal(a.begin(), a.end(), b.begin(), [](const Kept& x, const Kept& y) { return x.texels == y.texels; });
   }
-  // Behind a failed frame: each kind is the last good frame's, or was finished before the failure.
+  // Expects after a failed frame that each kind is of the last good frame, or was finished before the failure.
   void expect_kept_or_finished(const FrameInputs& in, const Outputs& good, const Outputs& expected) const {
     const bool has_several = in.layers.has_value() + in.masks.has_value() + in.reflections.has_value() > 1;
     const Outputs now = newest();
@@ -73,7 +74,7 @@ class Failures : public testing::Test {
     EXPECT_EQ(failing_.take_error(), uint32_t{GL_NO_ERROR});
     EXPECT_EQ(host_.gl.GetError(), GLenum{GL_NO_ERROR});
   }
-  // What the host draws with: the frame's layers, or none.
+  // Expects that binding works, with the frame's layers or none.
   void expect_bound() {
     ASSERT_EQ(sideray_service_bind(service_, 0, program_.id(), 0, nullptr), SIDERAY_OK);
     GLint layers = -1;
@@ -84,8 +85,8 @@ class Failures : public testing::Test {
     EXPECT_EQ(layers, out && out->mode == SIDERAY_CACHE ? static_cast<GLint>(out->layers) : 0);
   }
 
-  // One frame in which the n-th fails, behind a good one of another size where there is a `before`. False where there
-  // is no n-th.
+  // Draws a frame in which the n-th call fails, with `before` after a good frame of another size. Returns false where
+  // there is no n-th call.
   bool fails_at(const SmallHost::Case& c, Kind kind, int n, bool before, const Outputs& expected) {
     SCOPED_TRACE(testing::Message() << c.name << ", failure " << static_cast<int>(kind) << ", the " << n << "th, "
                                     << (before ? "behind a good frame" : "in the first frame"));
@@ -119,7 +120,7 @@ class Failures : public testing::Test {
     return failed;
   }
 
-  // Every place in turn, until there is none. Returns how many there are.
+  // Fails at every place in turn, and returns their number.
   int fail_everywhere(const char* name, Kind kind, bool before) {
     const SmallHost::Case& c = *std::find_if(SmallHost::cases().begin(), SmallHost::cases().end(),
                                              [&](const auto& each) { return std::string(each.name) == name; });
@@ -208,7 +209,7 @@ TEST_F(Failures, AFenceThatNeverComesHangsNothing) {
     EXPECT_EQ(submit_frame(service_, in, more), SIDERAY_NOT_READY);
     EXPECT_EQ(sideray_service_wait(service_, tickets[0], 20, nullptr), SIDERAY_NOT_READY);
     EXPECT_EQ(sideray_service_advance(service_, nullptr), SIDERAY_OK);
-    // What is cancelled makes room.
+    // A cancelled frame frees its place.
     EXPECT_EQ(sideray_service_cancel(service_, tickets[1], nullptr), SIDERAY_OK);
     EXPECT_EQ(sideray_service_wait(service_, tickets[1], 20, nullptr), SIDERAY_CANCELLED);
     EXPECT_EQ(submit_frame(service_, in, more), SIDERAY_OK);
@@ -251,7 +252,7 @@ TEST_F(Failures, ALostContextIsToldAndAbandoned) {
     }
     EXPECT_GT(n, 5);
   }
-  // Scene and tracer live on.
+  // Scene and tracer outlive the service.
   host_.gl.PixelStorei(GL_PACK_ALIGNMENT, 4);
   create();
   sideray_error error{};
@@ -259,7 +260,7 @@ TEST_F(Failures, ALostContextIsToldAndAbandoned) {
   EXPECT_FALSE(newest()[0].texels.empty());
 }
 
-// The worker may be tracing what is mapped.
+// The worker may be tracing into mapped memory.
 TEST_F(Failures, AbandonedWhileFramesAreInFlight) {
   for (const char* way : ways_to_move) {
     setenv("SIDERAY_TRANSPORT", way, 1);

@@ -80,7 +80,7 @@ bool contains(const std::vector<std::string>& list, const std::string& word) {
 
 }  // namespace
 
-// What stands before the real functions.
+// Wraps functions to record hidden values.
 struct Watch {
   static void see(GLenum value) { current->see(value); }
   static void see(GLint value) { current->see(value); }
@@ -132,7 +132,7 @@ struct Watch {
       real.GetQueryObjectuiv(query, name, value);
   }
 
-  // Null: the real one serves.
+  // Returns the wrapper of a function, null for the real one.
   static void* over(const std::string& name) {
     static const std::map<std::string, void*> functions{
         {"glGetString", reinterpret_cast<void*>(&get_string)},
@@ -197,7 +197,7 @@ HidingLoader::~HidingLoader() {
   current = nullptr;
 }
 
-// Which version and extensions have a function: glad's loader knows it of all.
+// Reads the version and the extensions that have each function, from glad's loader.
 void HidingLoader::read_providers() {
   std::ifstream source(SIDERAY_BINARY_DIR "/gl/glad/src/gl.c");
   ASSERT_TRUE(source) << "glad's loader is not where it is generated";
@@ -235,7 +235,7 @@ void HidingLoader::see(int64_t value) {
 void* HidingLoader::get_proc_address(void* loader, const char* name) {
   const auto* self = static_cast<const HidingLoader*>(loader);
   if (contains(self->driver_.null_functions, name)) return nullptr;
-  // As drivers do it: not null.
+  // Not null, as in drivers.
   if (self->is_hidden(name)) return reinterpret_cast<void*>(&hidden_function);
   void* over = Watch::over(name);
   return over ? over : gl::Context::get_proc_address(&self->context_, name);

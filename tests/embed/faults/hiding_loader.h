@@ -1,5 +1,5 @@
-// A loader that makes a context look like one of an older driver: what that driver has neither by version nor by
-// extension is hidden, and its use recorded. Test support, one at a time.
+// A loader that makes a context look like that of an older driver: it hides functions and values that this driver
+// lacks, and records their use. Test support, one at a time.
 #pragma once
 
 #include <sideray/sideray.h>
@@ -18,8 +18,8 @@ struct Driver {
   std::string name = "";                         // of the test
   int version = 21;                              // 21: OpenGL 2.1
   std::vector<std::string> extensions = {};      // without GL_
-  bool all_but = false;                          // those of the context, without the ones above
-  std::vector<std::string> null_functions = {};  // for which the loader returns null, though they should be there
+  bool all_but = false;                          // all extensions of the context but the ones above
+  std::vector<std::string> null_functions = {};  // missing although version or extensions promise them
 };
 
 inline void PrintTo(const Driver& driver, std::ostream* out) {
@@ -36,9 +36,9 @@ class HidingLoader {
 
   static void* get_proc_address(void* loader, const char* name);
   sideray_host_gl host() { return {sizeof(sideray_host_gl), &get_proc_address, this}; }
-  // What was called, or given to a call, although it is hidden.
+  // Returns hidden functions and values that were used.
   const std::set<std::string>& used() const { return used_; }
-  // Whether no result of a query is there yet, whatever the driver says.
+  // Says whether results of queries stay unavailable.
   void hold_queries(bool held) { queries_held_ = held; }
 
  private:

@@ -1,8 +1,7 @@
-// Random sequences of the service's calls, valid and invalid, with drivers that fail, contexts that are lost, calls
-// from threads without a context and edits of the scene meanwhile, against a model of what must hold: a call that fails
-// says why and changes nothing, tickets grow, outputs never go back, the host finds no error of OpenGL, nothing leaks,
-// and a new service's frame is the same to the last bit as before. SIDERAY_SEQUENCES=FIRST:COUNT runs other seeds than
-// the CI's.
+// Runs random sequences of the service's calls, valid and invalid, with failing drivers, lost contexts, calls from
+// threads without a context, and edits of the scene. A failed call must say why and change nothing, tickets must grow,
+// outputs must never get older, the host must find no OpenGL error, nothing may leak, and a new service's frame must
+// keep its bits. SIDERAY_SEQUENCES=FIRST:COUNT runs other seeds than the CI's.
 #include <gmock/gmock.h>
 
 #include <array>
@@ -24,7 +23,7 @@ using Kind = FailingGl::Failure;
 constexpr uint32_t views = 3;
 constexpr size_t places = 3;  // for frames in flight, a view
 
-// As C hosts may pass it.
+// Returns an invalid value of an enum, which C hosts may pass.
 template <typename Enum>
 Enum no_value(int32_t number) {
   Enum value{};
@@ -33,7 +32,7 @@ Enum no_value(int32_t number) {
   return value;
 }
 
-// A context, and what a host has in it.
+// Holds a context and a host.
 struct World {
   SmallHost host{gl::Context::create("auto", "")};
   gl::Program program = host.program();
@@ -59,7 +58,7 @@ class Sequences : public testing::Test {
     if (HasFailure()) ADD_FAILURE() << "the calls and their answers:\n" << log_;
   }
 
-  // What a new service makes of the first case.
+  // Returns the frame of the first case from a new service.
   std::vector<uint8_t> frame_of_new_service() {
     create();
     sideray_ticket ticket = 0;
@@ -210,11 +209,10 @@ class Sequences : public testing::Test {
     sideray_ticket ticket = 4712;
     sideray_error error{};
     const sideray_status status = submit_frame(service_, in, ticket, &error);
-    // A view with no place left may say so before it looks at the rest.
+    // A view without a free place may say so before it checks the inputs.
     if (status == SIDERAY_NOT_READY) return;
     expect_refused(status, error, ("submit, mistake " + std::to_string(which)).c_str());
-    // A texture that is not there is hit by OpenGL, where textures do not tell their size, or by what reads its
-    // stencil.
+    // A missing texture is found by OpenGL, where textures have no size query, or by the reading of its stencil.
     const bool is_right = status == SIDERAY_INVALID_ARGUMENT || which == 13;
     EXPECT_TRUE(is_right) << which << ": " << status << ", " << error.message;
     EXPECT_EQ(ticket, 4712u) << "a refused call has written a ticket";
@@ -346,7 +344,7 @@ class Sequences : public testing::Test {
     EXPECT_EQ(status, other_ids ? SIDERAY_INVALID_ARGUMENT : SIDERAY_OK) << error.message;
   }
 
-  // Out and back, so that in the end the scene is as it was.
+  // Moves an instance there and back, so that the scene is unchanged in the end.
   void move() {
     const double there[12] = {0.9, 0, 0, 0, 0.9, 0, 0, 0, 0.9, random_.between(-0.5, 0.5), 0, 1.0};
     const double home[12] = {0.9, 0, 0, 0, 0.9, 0, 0, 0, 0.9, 0, 0, 1.0};
@@ -380,7 +378,7 @@ class Sequences : public testing::Test {
       if (which == 1) status = sideray_service_advance(service_, &error);
       if (which == 2) status = sideray_service_bind(service_, 0, world_->program.id(), 0, &error);
     }).join();
-    // With nothing in flight there is nothing to call OpenGL for.
+    // With nothing in flight the call needs no OpenGL.
     const bool has_nothing_to_do = status == SIDERAY_NOT_READY || (which == 1 && status == SIDERAY_OK);
     if (!has_nothing_to_do) expect_refused(status, error, "a thread without a context");
   }
@@ -403,7 +401,7 @@ class Sequences : public testing::Test {
       tickets_.push_back({ticket, in.frame.view_id, true, true});
       status = sideray_service_wait(service_, ticket, -1, &error);
       note("wait, a driver that fails", ticket, status);
-      // What failed may be an earlier frame, which this call found.
+      // This call may report the failure of an earlier frame.
       if (status == SIDERAY_OK || status == SIDERAY_CANCELLED) tickets_.back().is_open = false;
     }
     if (status < SIDERAY_OK) {
@@ -430,7 +428,7 @@ class Sequences : public testing::Test {
     EXPECT_EQ(made, nullptr);
   }
 
-  // The context is gone with frames in flight: no call of OpenGL is made any more.
+  // Loses the context with frames in flight: OpenGL must not be called after that.
   void lose_context() {
     note("lost", 0, SIDERAY_OK);
     world_->failing.fail(Kind::lost, 1 + static_cast<int>(random_.below(10)));
@@ -444,7 +442,7 @@ class Sequences : public testing::Test {
     expect_refused(sideray_service_bind(service_, 0, world_->program.id(), 0, &error), error, "bind without a context");
     destroy();
     EXPECT_EQ(world_->failing.forbidden_calls(), 0);
-    // A host makes its own anew.
+    // The host makes a new context.
     world_.reset();
     world_ = std::make_unique<World>();
     ++lost_;

@@ -32,7 +32,7 @@ struct Point {
   glm::vec4 color;
 };
 
-// What is drawn, and what is traced.
+// Holds the look that is both drawn and traced.
 struct Look {
   std::vector<sideray_fixed_light> lights;
   sideray_fixed_material material = sideray_fixed_material_defaults();
@@ -47,7 +47,7 @@ inline GLint mode_of(sideray_texture_environment environment) {
   return modes[environment];
 }
 
-// Lights, materials and points, drawn as single points by glBegin, and hit by rays as small quads in the same places.
+// Draws points by glBegin, and traces small quads in the same places, with the same lights and materials.
 class FixedFunction : public testing::Test {
  protected:
   FixedFunction() : gl(host.gl), depth_(gl), texture_(gl) {
@@ -78,7 +78,7 @@ class FixedFunction : public testing::Test {
     light.spot_cutoff_deg = numbers.in(10, 90), light.spot_exponent = numbers.in(0, 40);
     return light;
   }
-  // One light of diffuse and specular light alone, which does not fade.
+  // Returns a light with diffuse and specular terms alone, without attenuation.
   sideray_fixed_light plain_light(int kind) {
     sideray_fixed_light light = random_light(kind);
     for (float& c : light.ambient) c = 0;
@@ -137,7 +137,7 @@ class FixedFunction : public testing::Test {
     gl.TexEnvi(GL_TEXTURE_ENV, GL_TEXTURE_ENV_MODE, mode_of(look.material.environment));
   }
 
-  // Points of a wall before the eye, one in the middle of each fourth pixel, whose normals, by chance, face it.
+  // Makes points on a wall before the eye, in the middle of every fourth pixel, with random normals toward the eye.
   void make_points() {
     const glm::dmat4 world = glm::inverse(clip_from_eye * eye_from_world);
     for (int i = 0; i < point_count; ++i) {
@@ -225,7 +225,7 @@ class FixedFunction : public testing::Test {
     in.frame.source.framebuffer = 0, in.frame.source.depth_renderbuffer = depth_.id();
     return in;
   }
-  // What rays show of them: RGB, and what they cover.
+  // Traces them: RGB and coverage.
   GlassHost::Picture trace(const Look& look) {
     put_in_scene(look);
     FrameInputs in = inputs();
@@ -242,7 +242,7 @@ class FixedFunction : public testing::Test {
     return picture;
   }
 
-  // Compares both to a code of 255. `least`: so many channels are neither black nor white.
+  // Compares both to 1/255. At least `least` channels must be neither black nor white.
   void expect_parity(const Look& look, const std::string& term, size_t least = size_t{3} * point_count / 10) {
     const GlassHost::Picture drawn = draw(look), traced = trace(look);
     float most = 0;
@@ -260,7 +260,7 @@ class FixedFunction : public testing::Test {
     std::printf("  %-40s %.2f codes\n", term.c_str(), static_cast<double>(most));
   }
 
-  // A square over 16x16 pixels, and 16x16 texels: those that are drawn.
+  // Returns which of 16x16 texels OpenGL draws of a square over 16x16 pixels.
   std::set<int> drawn_by_alpha(const glm::vec2 (&corners)[4], const std::vector<uint8_t>& texels, float reference) const {
     gl.BindFramebuffer(GL_FRAMEBUFFER, host.framebuffer());
     gl.Viewport(0, 0, 16, 16);
@@ -284,7 +284,7 @@ class FixedFunction : public testing::Test {
       if (pixels[static_cast<size_t>(i)].x > 0) drawn.insert(i);
     return drawn;
   }
-  // The same square: those texels that a ray through their middle hits.
+  // Returns which texels of the same square are hit by a ray through their middle.
   std::set<int> hit_by_alpha(const glm::vec2 (&corners)[4], sideray_texture texture, float cutoff) {
     glm::vec3 positions[4];
     glm::vec2 uvs[4];
@@ -324,7 +324,7 @@ class FixedFunction : public testing::Test {
  private:
   gl::Renderbuffer depth_;
   gl::Texture texture_;
-  sideray_instance instance_ = host.pane();  // what the points took the place of
+  sideray_instance instance_ = host.pane();  // replaced by the points
 };
 
 }  // namespace sideray::tests

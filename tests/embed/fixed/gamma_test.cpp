@@ -4,10 +4,10 @@
 namespace sideray::tests {
 namespace {
 
-// A host that blends what is shown gives its glass a reflectance; the test looks at what light would have made of it.
+// Tests the reflectance for a host that blends displayed values, against blending in linear light.
 class GammaReflections : public FixedFunction {
  protected:
-  // What the pane adds to the picture, of an environment that is shown as `mirrored`.
+  // Returns what the pane adds to the picture, for an environment of the displayed value `mirrored`.
   float added(float reflectance, float mirrored) {
     for (float& c : material_.reflectance) c = reflectance;
     const std::vector<float> sky(3 * 2 * 2, std::pow(mirrored, 2.2f));
@@ -18,7 +18,7 @@ class GammaReflections : public FixedFunction {
     host.trace(host.inputs());
     return host.draw(program_, 330)[size_t{GlassHost::height / 2} * GlassHost::width + GlassHost::width / 2].x;
   }
-  // Root of the mean square of what the host shows less what light makes, over all brightnesses.
+  // Returns the root mean square error against blending in linear light, over all brightnesses.
   double error(float share, float reflectance) {
     double sum = 0;
     int count = 0;

@@ -8,7 +8,7 @@ namespace {
 
 constexpr float code = 1.0f / 255;
 
-// The pane of a frame, before which an opaque wall stands between it and a light, or does not.
+// Tests a pane, with or without an opaque wall between it and a light.
 class FixedPane : public testing::Test {
  protected:
   static constexpr size_t middle = size_t{GlassHost::height / 2} * GlassHost::width + GlassHost::width / 2;
@@ -87,7 +87,7 @@ TEST_F(FixedPane, HasTwoSidesWhereTheModelSaysSo) {
   EXPECT_NEAR(shown()[middle].x, 0.25f, code / 2) << "its back looks away from the light";
 }
 
-// All that is faster than a ray for each pixel, shadow and mirror works as with the built-in model.
+// All shortcuts that save rays work as with the built-in model.
 TEST_F(FixedPane, HasTheFastWays) {
   put_wall();
   material_.reflectance[0] = 0.3f;
@@ -149,7 +149,7 @@ TEST_F(FixedPane, MirrorsAFlippedEnvironmentInALeftHandedWorld) {
   EXPECT_GT(most_apart(sky), 0.05f);
 }
 
-// A frame keeps what it was committed with: the caller's structs may go at once.
+// A commit copies the caller's structs, which may be freed at once.
 TEST_F(FixedPane, IsCopied) {
   const float before = shown()[middle].x;
   light_.diffuse[0] = 0, light_.ambient[0] = 0, material_.diffuse[0] = 0;

@@ -4,7 +4,7 @@
 namespace sideray::tests {
 namespace {
 
-// One term each.
+// Tests one term each.
 class FixedTerms : public FixedFunction {
  protected:
   FixedTerms() {
@@ -92,7 +92,7 @@ TEST_F(FixedTerms, TextureEnvironments) {
   }
 }
 
-// The same world with its z the other way, as left-handed engines have it: docs/fixed-function.md.
+// The same world with mirrored z, as in left-handed engines (docs/fixed-function.md).
 TEST_F(FixedFunction, LeftHandedWorldsLookTheSame) {
   Look look;
   for (const int kind : {0, 1, 2}) look.lights.push_back(random_light(kind));

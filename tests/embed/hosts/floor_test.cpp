@@ -1,5 +1,5 @@
-// Drivers of every age since OpenGL 2.1: the service does without what they lack, gives the same answers bit for bit,
-// and asks for nothing that is not theirs. What it cannot do without it names.
+// Tests drivers of every age since OpenGL 2.1: the service works without what they lack, gives the same bits, and uses
+// nothing that they do not have. Where it cannot work, it names what is missing.
 #include <gmock/gmock.h>
 
 #include <optional>
@@ -51,7 +51,7 @@ const std::vector<Driver> drivers{
     {"without_viewport_functions", 45, {}, true, {"glViewportIndexedfv"}},
 };
 
-// A glass host whose service meets `driver`; without one, all that there is.
+// A glass host whose service sees the given driver, by default the real one.
 class FloorHost {
  public:
   explicit FloorHost(const Driver* driver) : glass_(gl::Profile::compatibility, make_loader(driver)), gl(glass_.gl) {
@@ -66,7 +66,7 @@ class FloorHost {
     fill_textures();
     light_scene();
   }
-  // Nothing of the loader was used that is hidden, and no OpenGL error stays.
+  // Expects that nothing hidden was used, and that there is no OpenGL error.
   void expect_clean() const {
     EXPECT_EQ(gl.GetError(), GLenum{GL_NO_ERROR});
     if (loader_) {
@@ -106,7 +106,7 @@ class FloorHost {
     return in;
   }
 
-  // What the host's own shader finds, and the service's textures, all as the bytes that they are.
+  // Returns the bytes of the host's picture and of the service's textures.
   std::vector<std::string> answers(int glsl) {
     std::vector<std::string> result;
     const gl::Program program =
@@ -141,7 +141,7 @@ class FloorHost {
     return [this, driver](gl::Context& context) { return loader_.emplace(context, *driver).host(); };
   }
 
-  // Behind the pane, and in its shadow.
+  // Returns the depth of a wall behind the pane, in its shadow.
   static double wall_depth() {
     const glm::dvec4 clip = GlassHost::clip_from_world() * glm::dvec4(0, 0, -0.5, 1);
     return 0.5 + 0.5 * clip.z / clip.w;
@@ -236,7 +236,7 @@ TEST_P(Floor, GivesTheSameAnswers) {
   host.expect_clean();
 }
 
-// Several frames in flight, polled: the fence, of whatever kind, says when.
+// Polls several frames in flight, which a fence of any kind finishes.
 TEST_P(Floor, AdvancesWithoutWaiting) {
   const Driver driver = GetParam();
   FloorHost host(&driver);
@@ -290,7 +290,7 @@ TEST_P(Floor, GuardsSaveWhatThereIs) {
   EXPECT_THAT(loader.used(), IsEmpty());
 }
 
-// One query of samples at a time: the host's stays, and readback goes on without a fence.
+// Only one occlusion query can be active: the host's stays, and readback continues without a fence.
 TEST(FloorWithoutSync, AHostsOcclusionQueryGoesOn) {
   const Driver driver{"", 21, oldest};
   FloorHost host(&driver);
@@ -327,7 +327,7 @@ TEST(FloorWithoutSync, AQueryIsWaitedFor) {
   host.expect_clean();
 }
 
-// A float would give it its neighbour's number.
+// As a float the id would equal the next one.
 TEST(FloorWithoutIntegers, AnIdThatNoFloatHoldsFailsTheFrame) {
   const Driver driver{"", 21, oldest};
   for (const Driver* met : {&driver, static_cast<const Driver*>(nullptr)}) {
@@ -385,7 +385,7 @@ TEST(FloorWithBlits, CopiesASampleOfEachPixel) {
   host.expect_clean();
 }
 
-// Where a driver is too old, one message says all that it lacks.
+// Returns the message for a driver that is too old, which lists all that it lacks.
 std::string missing(const Driver& driver) {
   const auto context = gl::Context::create("auto", "", gl::Profile::compatibility);
   context->make_current();

@@ -1,5 +1,5 @@
-// Frames through the C interface with their jobs by value, and what the newest frame of a view has left in textures.
-// Test support; the thread that calls the service.
+// Submits frames through the C interface with their jobs by value, and reads the newest outputs of a view. Test
+// support; on the thread that calls the service.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ inline sideray_status submit_frame(sideray_service* service, const FrameInputs& 
   return sideray_service_submit(service, &frame, &ticket, error);
 }
 
-// What the jobs of one frame have uploaded.
+// Holds the outputs of one frame's jobs.
 struct FrameOutputs {
   sideray_ticket ticket = 0;
   std::optional<sideray_layer_outputs> layers;
@@ -22,7 +22,7 @@ struct FrameOutputs {
   std::optional<sideray_reflection_outputs> reflections;
 };
 
-// Reads the newest outputs of one kind. What the library says that is no status of readiness goes to `status`.
+// Reads the newest outputs of one kind. A status that is an error goes to `status`.
 template <typename Outputs>
 std::optional<Outputs> newest_of_kind(sideray_service* service, uint32_t view_id,
                                       sideray_status (*read)(sideray_service*, uint32_t, Outputs*, sideray_error*),
@@ -34,7 +34,7 @@ std::optional<Outputs> newest_of_kind(sideray_service* service, uint32_t view_id
   return own == SIDERAY_OK ? std::optional(outputs) : std::nullopt;
 }
 
-// The newest outputs of every kind, whichever frames they are of.
+// Reads the newest outputs of every kind, which may be of different frames.
 inline sideray_status newest_of_each_kind(sideray_service* service, uint32_t view_id, FrameOutputs& outputs) {
   sideray_status status = SIDERAY_OK;
   outputs.layers = newest_of_kind<sideray_layer_outputs>(service, view_id, sideray_service_layers, status);
@@ -46,7 +46,7 @@ inline sideray_status newest_of_each_kind(sideray_service* service, uint32_t vie
   return status != SIDERAY_OK ? status : outputs.ticket == 0 ? SIDERAY_NOT_READY : SIDERAY_OK;
 }
 
-// The outputs of the newest frame alone: kinds that an older one was the last to have are left out.
+// Reads the outputs of the newest frame alone, without kinds that only older frames have.
 inline sideray_status newest_outputs(sideray_service* service, uint32_t view_id, FrameOutputs& outputs) {
   const sideray_status status = newest_of_each_kind(service, view_id, outputs);
   if (outputs.layers && outputs.layers->ticket != outputs.ticket) outputs.layers.reset();
@@ -55,7 +55,7 @@ inline sideray_status newest_outputs(sideray_service* service, uint32_t view_id,
   return status;
 }
 
-// Of view 0 where no other is named; empty before its first.
+// Returns the outputs of a view; nothing before its first frame.
 inline std::optional<FrameOutputs> newest_outputs(sideray_service* service, uint32_t view_id = 0) {
   FrameOutputs outputs;
   if (newest_outputs(service, view_id, outputs) != SIDERAY_OK) return std::nullopt;

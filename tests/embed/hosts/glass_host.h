@@ -1,5 +1,5 @@
-// A host with one pane of glass, in a context of either profile: depth where it likes, a program of any GLSL version,
-// its own fallback colour. Test support.
+// A host with one pane of glass, in a context of either profile, with depth in any place, a program of any GLSL
+// version, and its own fallback colour. Test support.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ class GlassHost {
 
   using Loader = std::function<sideray_host_gl(gl::Context&)>;
 
-  // `loader`: the service's, where it is not the context's.
+  // `loader` replaces the context's loader for the service.
   explicit GlassHost(gl::Profile profile = gl::Profile::core, const Loader& loader = {})
       : context_(gl::Context::create("auto", "", profile)), gl(context_->functions()) {
     context_->make_current();
@@ -53,8 +53,8 @@ class GlassHost {
     context_->release_current();
   }
 
-  // Gives the framebuffer, which is bound from then on, cleared depth and stencil: a new renderbuffer holds anything, on
-  // NVIDIA a stencil that marks pixels.
+  // Binds the framebuffer, attaches `depth` and clears it: the content of a new renderbuffer is undefined, and on
+  // NVIDIA its stencil marks pixels.
   void attach(const gl::Renderbuffer& depth) const {
     gl.BindRenderbuffer(GL_RENDERBUFFER, depth.id());
     gl.RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH24_STENCIL8, width, height);
@@ -67,7 +67,7 @@ class GlassHost {
 
   static glm::dmat4 clip_from_world(double eye_x = 0) { return clip_before_pane(double{width} / height, eye_x); }
 
-  // Everything of the pane is traced, whatever the mask.
+  // Returns inputs that trace all of the pane, whatever the mask.
   FrameInputs inputs() const {
     FrameInputs in;
     set_view(in, clip_from_world());
@@ -87,8 +87,8 @@ class GlassHost {
     ASSERT_EQ(sideray_service_wait(service_->get(), ticket, -1, &error), SIDERAY_OK) << error.message;
   }
 
-  // `answer`: the fragment shader's expression of the colour, of `world`, `id` and, where the pane has moved, `before`;
-  // `functions`: what it calls.
+  // Returns a program. `answer` is the expression of its colour, of `world`, `id` and, where the pane has moved,
+  // `before`; `functions` are those that it calls.
   gl::Program program(int version, const std::string& answer, const std::string& functions = "",
                       const std::vector<std::string>& defines = {}) const {
     const bool old = version < 130;
@@ -128,7 +128,7 @@ class GlassHost {
     return picture;
   }
 
-  // The program is in use.
+  // Draws the pane with a program that is in use.
   void draw_pane(const gl::Program& p) const {
     gl.BindVertexArray(array_.id());
     const auto place = gl.GetAttribLocation(p.id(), "position");
@@ -141,7 +141,7 @@ class GlassHost {
   }
 
   gl::Context& context() { return *context_; }
-  // Another one, nearer to the eye.
+  // Adds a pane nearer to the eye.
   void add_pane(uint32_t surface_id) {
     sideray_instance_desc instance = pane_desc_;
     instance.surface_id = surface_id;
@@ -149,7 +149,7 @@ class GlassHost {
     scene_->add_instances({&instance, 1});
     scene_->commit();
   }
-  // Makes the pane glass that bends light, before a wall that shines like the pane did.
+  // Makes the pane refract, in front of a wall that emits as the pane did.
   void bend_light() {
     sideray_material_desc glass = sideray_material_defaults();
     glass.transmission = 1.0f, glass.thickness = 0.1f, glass.roughness = 0.0f;
@@ -176,7 +176,7 @@ class GlassHost {
  private:
   static constexpr float corners[18] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0};
 
-  // It glows, so that a missing light or shadow changes nothing.
+  // The pane is emissive, so that lights and shadows change nothing.
   void create_scene() {
     scene_.emplace(sideray::Scene::create().value());
     sideray_mesh_desc mesh = sideray_mesh_defaults();

@@ -1,5 +1,5 @@
-// Glass of large polygons, seen at grazing angles from near and far: the driver interpolates positions over them less exactly
-// than rays compute theirs, and each fragment finds its layer all the same.
+// Tests large polygons of glass, seen at grazing angles from near and far. The driver interpolates positions over them
+// less exactly than rays compute them, and each fragment must still find its layer.
 #include <gtest/gtest.h>
 
 #include "embed/hosts/glass_host.h"
@@ -10,7 +10,7 @@ namespace {
 constexpr int width = 640, height = 360;
 constexpr uint32_t below_id = GlassHost::glass_id + 1;
 
-// Where the eye is over a floor at y = 0, how far the floor reaches, and what the depth buffer spans.
+// Holds the eye above a floor at y = 0, the floor's size, and the range of the depth buffer.
 struct Sight {
   float extent;
   double eye_height, pitch, near, far;
@@ -55,7 +55,7 @@ class LargePolygons : public testing::Test {
     host.scene().commit();
   }
 
-  // `ground`: of the opaque floor whose depth is there, how far it is below the pane.
+  // Traces a frame; the depth buffer has an opaque floor at `ground` below the pane.
   void trace(const Sight& sight, float ground, uint32_t layers, sideray_match match) {
     gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
     gl.BindRenderbuffer(GL_RENDERBUFFER, depth_.id());
@@ -103,7 +103,7 @@ class LargePolygons : public testing::Test {
   struct Found {
     size_t drawn = 0, own = 0, other = 0;
   };
-  // What fragments of the pane at y find.
+  // Counts what fragments of the pane at y find.
   Found count(const Sight& sight, float y, uint32_t id) {
     draw(sight, y, id);
     GlassHost::Picture picture(size_t{width} * height);
@@ -147,12 +147,12 @@ TEST_F(LargePolygons, FindTheirLayersNearAndFar) {
         const Found found = count(sight, 0, GlassHost::glass_id);
         SCOPED_TRACE("extent " + std::to_string(extent) + ", eye " + std::to_string(eye) + ", pitch " + std::to_string(pitch));
         EXPECT_GT(found.drawn, 5000u);
-        // A ray may pass between the two triangles, or beside them, where the rasterizer draws a pixel.
+        // A ray may miss the triangles, between or beside them, in a pixel that the rasterizer draws.
         EXPECT_LE(found.drawn - found.own, 3u);
       }
 }
 
-// The cache has room for the upper one alone: a fragment of the lower one that takes it takes the wrong one.
+// The cache holds only the upper pane, so that any layer that a fragment of the lower one takes is wrong.
 TEST_F(LargePolygons, OfPanesACentimetreApartNoneTakesTheOther) {
   for (const float extent : {40.0f, 400.0f, 4000.0f})
     for (const double pitch : {0.0, 0.4, 1.2}) {

@@ -1,6 +1,6 @@
-// Thousands of small frames: a camera that moves, glass that moves, a target that is resized, all kinds of inputs in
-// turn. What Sideray holds must not grow: its heap, OpenGL objects and file descriptors, each counted by itself.
-// Resident memory is the driver's too, whose own bound says how much that may grow.
+// Draws thousands of small frames with a moving camera, moving glass, a resized target, and all kinds of inputs in
+// turn. Sideray's heap, OpenGL objects and file descriptors must not grow. Resident memory includes the driver's, and
+// has a bound of its own.
 #include <unistd.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@
 namespace sideray::tests {
 namespace {
 
-// Sanitizers keep what was freed, to find those who use it.
+// Sanitizers hold freed memory, to find its use.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool holds_freed_memory = true;
 #else
@@ -33,15 +33,15 @@ class LongRun : public testing::Test {
   static constexpr int frames_each = 5;  // of one kind of inputs
   static int cycle() { return frames_each * static_cast<int>(SmallHost::cases().size()); }
 
-  // NVIDIA's driver goes on growing while all that is counted here stays as it was: by 30 MiB in 20,100 frames, of
-  // which 26 in the first 8,000 and 2 in the last 2,000. Mesa's stays within the bound of ours.
+  // Returns the bound. NVIDIA's driver grows while our counts stay: by 30 MiB in 20,100 frames, 26 of them in the first
+  // 8,000 and 2 in the last 2,000. Mesa's stays within our bound.
   long resident_bound_kib() {
     const bool is_nvidia = host_.context().info().renderer.find("NVIDIA") != std::string::npos;
     return is_nvidia ? 32 * 1024 : 4096;
   }
 
-  // Of several threads whichever is free takes the work, so that the scratch memory of each, 0.6 MB in 75 blocks, comes
-  // when it first meets all kinds of frames, be it after 12,000. One thread has it after the first cycle.
+  // Runs the cycles. Any free thread takes work, so that a thread may allocate its scratch memory, 0.6 MB in 75 blocks,
+  // as late as after 12,000 frames, when it has first seen all kinds. A single thread has it after the first cycle.
   void run(int cycles, uint32_t threads, OwnHeap::Use bound) {
     sideray_tracer_desc desc = sideray_tracer_defaults();
     desc.threads = threads;
@@ -64,7 +64,7 @@ class LongRun : public testing::Test {
     // Ours.
     EXPECT_LE(end.heap.bytes, warm.heap.bytes + bound.bytes);
     EXPECT_LE(end.heap.blocks, warm.heap.blocks + bound.blocks);
-    // A place in the ring holds up to that many more or less, by the kinds of inputs that it has met.
+    // A place in the ring holds up to this many objects more or less, by the kinds of inputs that it has had.
     EXPECT_LE(end.objects, warm.objects + 8);
     EXPECT_EQ(end.files, warm.files);
     // Ours and the driver's together.
@@ -75,7 +75,7 @@ class LongRun : public testing::Test {
   }
 
  private:
-  // One frame late, but for every seventh; some are cancelled.
+  // Draws with answers one frame late, except every seventh; cancels some frames.
   void draw(int number) {
     const SmallHost::Case& c = SmallHost::cases()[static_cast<size_t>(number % cycle() / frames_each)];
     move(number);
@@ -162,7 +162,7 @@ class LongRun : public testing::Test {
 
 using SlowLongRun = LongRun;
 
-// Two threads: the scratch memory of one may come after the warm-up, that of fifteen would hide what grows.
+// Two threads: the scratch memory of one may come after the warm-up, while that of fifteen would hide a leak.
 TEST_F(LongRun, HundredsOfFramesGrowNothing) {
   run(4, 2, {.bytes = 3 << 19, .blocks = 96});
 }

@@ -1,4 +1,4 @@
-// Contexts that a driver itself makes old: the service in what EGL gives where nobody asks for a version.
+// Tests the service in contexts of old versions from the driver itself, and in EGL's default context.
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 #include <dlfcn.h>
@@ -34,7 +34,7 @@ F egl(const char* name) {
   return reinterpret_cast<F>(resolve(nullptr, name));
 }
 
-// Current on return; false where there is none.
+// Makes a context current; returns false where there is none.
 bool make_context() {
   const auto library_resolve = egl<decltype(&eglGetProcAddress)>("eglGetProcAddress");
   if (!library_resolve) return false;
@@ -59,7 +59,7 @@ FrameInputs inputs(uint32_t framebuffer) {
   return in;
 }
 
-// Prints the context's version and a sum over the distances that its textures hold.
+// Prints the context's version, and the sum of the distances in its textures.
 TEST(OldContextChild, DISABLED_Traces) {
   if (!make_context()) {
     std::printf("none\n");
@@ -103,7 +103,7 @@ struct Traced {
   std::string output;
 };
 
-// Mesa reads its environment once: this program again.
+// Runs this program again, since Mesa reads its environment once.
 Traced traced_under(const std::string& environment) {
   const std::string program = std::filesystem::read_symlink("/proc/self/exe").string();
   const std::string command = "exec env " + environment + " '" + program +

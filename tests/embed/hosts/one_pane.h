@@ -10,7 +10,7 @@ namespace sideray::tests {
 
 inline constexpr uint32_t pane_id = 5;
 
-// A pane of glass, 2 x 2, at z = 0, that shines.
+// Returns an emissive pane of glass, 2 x 2, at z = 0.
 inline sideray::Scene pane_scene() {
   constexpr float positions[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
   constexpr uint32_t indices[] = {0, 1, 2, 0, 2, 3};
@@ -34,7 +34,7 @@ inline sideray::Scene pane_scene() {
   return scene;
 }
 
-// Clip space from the world's, seen from (eye_x, 0, 3) toward -z.
+// Returns clip space from world space, seen from (eye_x, 0, 3) toward -z.
 inline glm::dmat4 clip_before_pane(double aspect, double eye_x = 0) {
   return glm::perspective(0.9, aspect, 0.1, 50.0) * glm::translate(glm::dmat4(1.0), glm::dvec3(-eye_x, 0, -3));
 }

@@ -15,7 +15,7 @@
 namespace sideray::tests {
 namespace {
 
-// Of the count itself, which would otherwise count itself.
+// Allocates memory for the counter itself, which must not be counted.
 template <typename T>
 struct Malloc {
   using value_type = T;
@@ -39,7 +39,7 @@ struct Shard {
 
 struct Range {
   uintptr_t begin, end;
-  bool is_language;  // the C++ library: who called it has allocated
+  bool is_language;  // the C++ library, whose caller counts
 };
 
 struct Modules {
@@ -56,7 +56,7 @@ struct Modules {
 std::atomic<bool> counts{false};
 std::atomic<size_t> bytes{0}, blocks{0};
 
-// Never destroyed, for memory is freed until the very end.
+// Never destroyed, since memory is freed until the very end.
 std::array<Shard, 64>& all_shards() {
   static std::array<Shard, 64>& shards = *new (std::malloc(sizeof(std::array<Shard, 64>))) std::array<Shard, 64>;
   return shards;
@@ -77,7 +77,7 @@ int add_module(dl_phdr_info* module, size_t, void* found) {
   return 0;
 }
 
-// Those that are there before main().
+// Returns the modules loaded before main().
 Modules find_modules() {
   Modules modules;
   dl_iterate_phdr(add_module, &modules);
@@ -90,7 +90,7 @@ struct Search {
   bool is_reached = false, is_own = false;
 };
 
-// The first caller outside of the C++ library.
+// Finds the first caller outside of the C++ library.
 _Unwind_Reason_Code look(_Unwind_Context* frame, void* found) {
   Search& search = *static_cast<Search*>(found);
   const uintptr_t address = _Unwind_GetIP(frame);

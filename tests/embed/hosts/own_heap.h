@@ -1,6 +1,5 @@
-// What the program and the libraries that it is linked with hold by operator new. Drivers are loaded later, and what
-// they hold is not counted, nor is what anybody holds by malloc() itself. Test support; one at a time, any thread
-// allocates.
+// Counts the memory that the program and its linked libraries hold by operator new, without that of drivers, which are
+// loaded later, and without direct malloc(). Test support; one at a time, any thread may allocate.
 #pragma once
 
 #include <cstddef>
@@ -13,14 +12,14 @@ class OwnHeap {
     size_t bytes = 0, blocks = 0;
   };
 
-  // Counts what is allocated from here on, until it is destroyed. With sanitizers, which have an operator new of their
-  // own, nothing is counted.
+  // Counts allocations from here on, until it is destroyed. Counts nothing with sanitizers, which have their own
+  // operator new.
   OwnHeap();
   ~OwnHeap();
   OwnHeap(const OwnHeap&) = delete;
   OwnHeap& operator=(const OwnHeap&) = delete;
 
-  // What is held now of what was allocated since the count began.
+  // Returns the memory that was allocated since the count began and is still held.
   Use use() const;
 };
 

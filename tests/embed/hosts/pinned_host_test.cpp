@@ -1,5 +1,5 @@
-// A host that pins the thread that it draws with: tracing threads keep all processors, and the host its pin. Strict
-// only as the first test of a process, as ctest runs it: TBB looks at the processors once.
+// Tests a host that pins its drawing thread: tracing threads use all processors, and the host stays pinned. The test is
+// strict only as the first of a process, as in ctest, since TBB counts processors once.
 #if defined(__linux__)
 #include <gtest/gtest.h>
 #include <sched.h>
@@ -47,7 +47,7 @@ TEST(PinnedHost, IsNotFollowedByTheThreadsThatTrace) {
   EXPECT_EQ(executor.threads(), cpu_count());
   std::mutex mutex;
   std::map<std::thread::id, int> cpus;
-  // Until somebody else has come to help, for at most two seconds.
+  // Runs until another thread has helped, for at most two seconds.
   for (int round = 0; round < 100 && cpus.size() < 2; ++round)
     executor.run(8 * cpu_count(), [&](size_t, uint32_t) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -1,5 +1,5 @@
-// A host as old engines are: it remembers on the CPU what it has set and leaves out calls that would change nothing,
-// and dies of any OpenGL error. Fifty frames with moving glass through the service.
+// Tests a host in the style of old engines, which shadows OpenGL's state on the CPU, omits calls that would change
+// nothing, and ends on any OpenGL error. It draws fifty frames with moving glass through the service.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ constexpr uint32_t first_unit = 2;  // units 0 and 1 are the host's
 
 enum StateBit : uint32_t { depth_test = 1, depth_write = 2, blend = 4, cull = 8, stencil = 16, color_write = 32 };
 
-// GL_State() and GL_Bind(): what was set last is believed to be set still.
+// GL_State() and GL_Bind(), which assume that the last value is still set.
 class Shadow {
  public:
   explicit Shadow(const gl::Functions& table, bool trusts) : gl(table), trusts_(trusts) {}
@@ -134,7 +134,7 @@ class QuakeHost : public testing::TestWithParam<std::tuple<std::string, gl::Prof
     gl.BufferData(GL_ARRAY_BUFFER, sizeof(corners), corners, GL_STATIC_DRAW);
     gl.VertexAttribPointer(0, 2, GL_FLOAT, GL_FALSE, 0, nullptr);
     gl.EnableVertexAttribArray(0);
-    // What the shadow begins with.
+    // The shadow's initial state.
     gl.BindVertexArray(0), gl.BindFramebuffer(GL_FRAMEBUFFER, 0), gl.BindTexture(GL_TEXTURE_2D, 0);
     gl.Viewport(0, 0, width, height), gl.ClearDepth(1.0), gl.ClearStencil(0);
     gl.StencilFunc(GL_ALWAYS, 1, 0xff), gl.StencilOp(GL_KEEP, GL_KEEP, GL_REPLACE);
@@ -206,7 +206,7 @@ class QuakeHost : public testing::TestWithParam<std::tuple<std::string, gl::Prof
     const sideray_status made =
         traces ? sideray_service_create(host_->tracer(), &loader, &service, nullptr) : SIDERAY_OK;
     EXPECT_EQ(made, SIDERAY_OK);
-    // Not traced: as in a host without the service, units and uniforms are those of a new program.
+    // Without tracing, units and uniforms are those of a new program, as in a host without the service.
     if (!traces) separate_samplers(resources.glass);
     Shadow shadow(host_->gl, trusts);
     std::vector<Picture> pictures;
@@ -236,7 +236,7 @@ INSTANTIATE_TEST_SUITE_P(All, QuakeHost,
                                           testing::Values(gl::Profile::core, gl::Profile::compatibility)),
                          gl::name_of_driver_and_profile);
 
-// What it believes to be set is set: the pictures are those of a host that sets everything anew.
+// The shadowed state is right: pictures equal those of a host that sets everything each time.
 TEST_P(QuakeHost, BelievesItsShadowOfTheState) {
   const std::vector<Picture> trusting = frames(true, true);
   if (HasFailure()) return;

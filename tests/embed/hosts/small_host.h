@@ -1,5 +1,5 @@
-// A host with a wall, a plate that shades it, and a pane of glass: depth in every place that the service reads,
-// textures for every input. What it draws does not count; what it asks of the service does. Test support.
+// A host with a wall, a plate that shades it, and a pane of glass, with depth in every place that the service reads and
+// textures for every input. Its picture does not matter, only its requests of the service. Test support.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -67,8 +67,7 @@ class SmallHost {
   }
   static const std::vector<Case>& cases();
 
-  // Every texel of the outputs that means something: of layers without a surface, the distance alone. Touches nothing
-  // else.
+  // Returns every meaningful texel of the outputs; of layers without a surface only the distance is. Keeps all state.
   std::vector<uint8_t> texels(const FrameOutputs& out) const {
     std::vector<uint8_t> bytes;
     const auto append = [&](const std::vector<uint8_t>& more) { bytes.insert(bytes.end(), more.begin(), more.end()); };
@@ -117,7 +116,7 @@ class SmallHost {
     return read(GL_TEXTURE_2D, out.reflection_texture, GL_RGBA, GL_FLOAT);
   }
 
-  // How two answers of texels() differ; empty: not at all.
+  // Returns how two results of texels() differ; "" where they do not.
   static std::string difference(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
     if (a.size() != b.size()) return std::to_string(a.size()) + " bytes, not " + std::to_string(b.size());
     size_t count = 0, first = 0;
@@ -169,7 +168,7 @@ class SmallHost {
     }
   }
 
-  // Empty for no texture.
+  // Reads a texture; empty where there is none.
   std::vector<uint8_t> read(GLenum target, uint32_t texture, GLenum format, GLenum type) const {
     if (texture == 0) return {};
     EXPECT_EQ(gl.IsTexture(texture), GL_TRUE);
@@ -210,7 +209,7 @@ class SmallHost {
       gl.BindTexture(target, 0);
   }
 
-  // The wall's depth, and a stencil that counts two layers.
+  // Clears to the wall's depth and a stencil of two layers.
   void clear(const gl::Framebuffer& framebuffer, GLenum attachment, const std::function<void(GLenum)>& attach) const {
     gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer.id());
     gl.DrawBuffer(GL_NONE);
@@ -298,7 +297,7 @@ inline const std::vector<SmallHost::Case>& SmallHost::cases() {
     all.fill(255);
     return all;
   }();
-  // One light and the sky.
+  // Adds masks of one light and the sky.
   static const auto add_masks = [](In& in) {
     in.masks = sideray_mask_inputs_defaults();
     in.masks->shadow_lights = 1;

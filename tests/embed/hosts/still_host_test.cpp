@@ -1,4 +1,4 @@
-// What a host pays for a view that stands still: from the third equal frame on no ray and no upload, and the same bits.
+// Tests that a still view takes no rays and no uploads from the third equal frame on, and keeps its bits.
 #include <gtest/gtest.h>
 
 #include "embed/hosts/glass_host.h"

@@ -1,4 +1,4 @@
-// A glass ball whose drawn triangles are not the traced ones keeps the raster look: no answer is its own.
+// Tests that a glass ball whose drawn triangles differ from the traced ones keeps its raster look, without answers.
 #include <gtest/gtest.h>
 
 #include <glm/gtc/constants.hpp>
@@ -8,7 +8,7 @@
 namespace sideray::tests::tessellation_test {
 namespace {
 
-// Corners of triangles, of a ball of radius 1.
+// Returns corners of the triangles of a ball of radius 1.
 std::vector<glm::vec3> ball(int slices, int stacks) {
   std::vector<glm::vec3> corners;
   const auto at = [&](int i, int j) {
@@ -40,7 +40,7 @@ class Tessellations : public testing::Test {
     host.trace(host.inputs());
   }
 
-  // Share of the drawn pixels that take the ball's glow for the fallback's blue.
+  // Returns the share of drawn pixels with the ball's emission instead of the fallback's blue.
   double answered(const std::vector<glm::vec3>& corners) {
     gl.BindFramebuffer(GL_FRAMEBUFFER, host.framebuffer());
     gl.Viewport(0, 0, GlassHost::width, GlassHost::height);

@@ -1,5 +1,5 @@
-// Two views of a frame through one service, as the eyes of a stereo picture: each answers as a service of its own
-// would, bit for bit, whatever the other does; binding picks the view.
+// Tests two views of a frame through one service, such as the eyes of a stereo picture: each has the bits of a separate
+// service, whatever the other does; binding selects the view.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -34,7 +34,7 @@ class Views : public testing::Test {
 
   sideray::Service service() { return sideray::Service::create(tracer_, host_.loader()).value(); }
 
-  // Of an eye in a frame: the left or right half of one target, or the same rectangle of targets of their own.
+  // Returns the inputs of an eye: the left or right half of one target, or the same rectangle of a separate target.
   FrameInputs inputs(int eye, int frame, bool halves, const Ask& ask) const {
     FrameInputs in = host_.inputs();
     SmallHost::set_view(in, SmallHost::clip_from_world((eye == 0 ? -0.1 : 0.1) + 0.05 * frame));
@@ -58,7 +58,7 @@ class Views : public testing::Test {
     return out ? host_.texels(*out) : std::vector<uint8_t>();
   }
 
-  // Frames of both eyes, waited for at once or one frame late, ending with the last ones' answers.
+  // Draws frames of both eyes, with answers at once or one frame late, and compares the last ones.
   void expect_same(bool halves, bool late, const Ask& ask) {
     sideray::Service both = service(), alone[2] = {service(), service()};
     sideray_ticket before[2] = {}, before_alone[2] = {};
@@ -113,7 +113,7 @@ TEST_F(Views, AnswerAsServicesOfTheirOwn) {
     }
 }
 
-// With targets of their own: everything that a frame may bring with it.
+// With separate targets, for every kind of inputs.
 TEST_F(Views, AnswerSoWithAllThatAFrameBrings) {
   for (const SmallHost::Case& c : SmallHost::cases()) {
     const std::string name = c.name;
@@ -150,7 +150,7 @@ TEST_F(Views, BindingPicksTheView) {
   EXPECT_FALSE(both.layers(7));
 }
 
-// A second wave of one view while the other has a frame in flight.
+// Submits a second wave of one view while the other has a frame in flight.
 TEST_F(Views, ASecondWaveIsItsViewsAffair) {
   sideray::Service both = service();
   FrameInputs in = inputs(0, 0, true, [](auto& i) { i.layers->cache_rate = SIDERAY_RATE_CHECKERBOARD; });
@@ -184,7 +184,7 @@ TEST_F(Views, HavePlacesOfTheirOwn) {
   EXPECT_THROW(static_cast<void>(both.layers(SIDERAY_MAX_VIEWS)), sideray::Error);
 }
 
-// Cancelled frames of one view, which its past ends with, do nothing to the other's.
+// Cancelling a view's frames ends its history, but not the other's.
 TEST_F(Views, DoNotEndEachOthersPast) {
   sideray::Service both = service(), alone = service();
   const Ask ask = [](auto& in) {

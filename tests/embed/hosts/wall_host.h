@@ -1,4 +1,4 @@
-// A host that sees nothing but a wall at z = 0, parallel to its picture, and covers the picture with a shader of its own. Test
+// A host that sees only a wall at z = 0, parallel to the picture, and covers the picture with its own shader. Test
 // support.
 #pragma once
 
@@ -21,7 +21,7 @@ class WallHost : public testing::Test {
   static constexpr int width = 96, height = 64;
   static constexpr uint32_t first_unit = 2;
 
-  // `color`: the picture's format.
+  // `color` is the picture's format.
   explicit WallHost(GLenum color) : context_(gl::Context::create("auto", "")) {
     context_->make_current();
     const gl::Functions& gl = context_->functions();
@@ -49,7 +49,7 @@ class WallHost : public testing::Test {
     service_.emplace(Service::create(tracer, host).value());
   }
 
-  // A program that covers the picture; `statement` sets `result`.
+  // Makes a program that covers the picture; `statement` sets `result`.
   std::unique_ptr<gl::Program> make_program(const std::string& statement) {
     return std::make_unique<gl::Program>(context_->functions(), "host",
                                          "#version 330 core\nvoid main() { gl_Position = vec4(float(gl_VertexID & 1) * 4.0 - 1.0,\n"
@@ -59,7 +59,7 @@ class WallHost : public testing::Test {
 
   static glm::dmat4 clip_from_world() { return clip_before_pane(double{width} / height); }
 
-  // A frame without jobs, of a rectangle that shows the whole view.
+  // Returns a frame without jobs, whose rectangle shows the whole view.
   FrameInputs frame_of(int x, int y, int w, int h) const {
     FrameInputs in;
     set_matrices(in.frame.view, clip_from_world());

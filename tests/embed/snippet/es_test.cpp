@@ -1,4 +1,4 @@
-// The snippet compiles in OpenGL ES 3.00, where the service itself does not run.
+// Tests that the snippet compiles in OpenGL ES 3.00, where the service itself does not run.
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 #include <GL/gl.h>
@@ -50,7 +50,7 @@ class EsContext {
     return 100 * major + 10 * minor;
   }
 
-  // What the compiler says; "" where it takes the shader.
+  // Returns the compiler's message; "" if it accepts the shader.
   std::string complaint(const std::string& fragment) const {
     const auto create = egl.get<PFNGLCREATESHADERPROC>("glCreateShader");
     const auto source = egl.get<PFNGLSHADERSOURCEPROC>("glShaderSource");

@@ -1,5 +1,5 @@
-// What a host's shader reads by sideray_irradiance(): the light that other surfaces throw, as the built-in renderer adds it, and
-// black everywhere else.
+// Tests sideray_irradiance() in a host's shader: it is the bounced light that the built-in renderer adds, and black
+// everywhere else.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -33,7 +33,8 @@ void add_quad(Scene& scene, const sideray_material_desc& material, glm::vec3 cen
   scene.add_instances({&instance, 1});
 }
 
-// A matt wall at z = 0 that fills the picture, and a plate that shines red and stands on it, behind the picture's left edge.
+// Returns a matt wall at z = 0 that fills the picture, and a plate that emits red on it, beyond the picture's left
+// edge.
 Scene wall_and_glow() {
   Scene scene = Scene::create().value();
   sideray_material_desc matt = sideray_material_defaults(), glow = matt;
@@ -107,7 +108,7 @@ TEST_F(SnippetIrradiance, IsTheTexturesInItsRectangleAndBlackElsewhere) {
   EXPECT_GT(most, 0.1f);
 }
 
-// The wall has no other light, so that the renderer's picture is what the host's shader says.
+// The wall has no other light, so that the renderer's picture is the irradiance that the shader reads.
 TEST_F(SnippetIrradiance, IsWhatTheRendererAdds) {
   trace(0, 0, width, height);
   const Picture by_host = draw();

@@ -1,4 +1,4 @@
-// What a host's shader reads by sideray_shadow() and sideray_ao(): the masks of the service, and 1 everywhere else.
+// Tests sideray_shadow() and sideray_ao() in a host's shader: they are the service's masks, and 1 everywhere else.
 #include <gtest/gtest.h>
 #include <sideray/diagnostics.h>
 
@@ -38,7 +38,7 @@ void add_quad(sideray::Scene& scene, sideray_material material, double x, double
   scene.add_instances({&instance, 1});
 }
 
-// A wall at z = 0, a plate behind the eye's left, and four lights that throw its shadow to four places.
+// Returns a wall at z = 0, a plate behind the eye to the left, and four lights that cast its shadow to four places.
 sideray::Scene wall_and_plate() {
   sideray::Scene scene = sideray::Scene::create().value();
   sideray_material_desc white = sideray_material_defaults();
@@ -163,8 +163,8 @@ TEST_F(SnippetMasks, AreShownAsColours) {
   EXPECT_EQ(draw(*shows_0), Texels(seen.size(), magenta)) << "a light without a mask";
 }
 
-// Under a budget of one piece the sky is known everywhere, by a few samples a tile, and a light's mask in one tile alone: elsewhere the
-// host's own shadow map answers.
+// Under a budget of one piece the sky is known everywhere, by a few samples a tile, and a light's mask in one tile
+// alone: elsewhere the host uses its own shadow map.
 TEST_F(SnippetMasks, UnderABudgetLeaveTheRestToTheHost) {
   const auto program = make_program(
       "result = vec4(sideray_shadow_or(1, 0.25), sideray_shadow_or(0, 0.5), sideray_ao_or(0.75), sideray_shadow_color_or(3, vec3(0.25)).y);");
@@ -227,7 +227,7 @@ TEST_F(SnippetMasks, LampsThatAddTooLittleHaveNoRays) {
   EXPECT_EQ(std::set<uint8_t>(none.begin(), none.end()), (std::set<uint8_t>{255}));
 }
 
-// A pane, a thin wall of coloured glass, in front of the wall's right half: its shadow has its colour, by the third light.
+// A pane of thin coloured glass in front of the wall's right half casts a coloured shadow of the third light.
 TEST_F(SnippetMasks, TintsAreThoseOfGlassInTheWay) {
   const auto tints = make_program("result = vec4(sideray_shadow_tint(1), sideray_shadow(1));");
   const auto colors = make_program("result = vec4(sideray_shadow_color(1), 1.0);");
@@ -262,7 +262,7 @@ TEST_F(SnippetMasks, TintsAreThoseOfGlassInTheWay) {
     ++tinted;
     for (size_t c = 0; c < 3; ++c) ASSERT_NEAR(after[i][c], expected[c], 1);
   }
-  // 0.8 x 0.8 of the wall, of which the rectangle shows as much as the view does.
+  // The shadow covers 0.8 x 0.8 of the wall; the rectangle shows the whole view.
   const double seen = 3.0 * std::tan(0.45) * 2;
   EXPECT_NEAR(static_cast<double>(tinted) / (masked_width * masked_height), 0.64 / (seen * seen * width / height), 0.02);
   scene_.set_visibility(3, SIDERAY_VISIBLE_ALL & ~SIDERAY_VISIBLE_SHADOW);
@@ -272,7 +272,7 @@ TEST_F(SnippetMasks, TintsAreThoseOfGlassInTheWay) {
   EXPECT_EQ(draw(*tints), before);
 }
 
-// Nothing in the scene is translucent, so that what opaque surfaces leave open is all of the sky's light.
+// Nothing in the scene is translucent, so that the sky's visibility past opaque surfaces is all of its light.
 TEST_F(SnippetMasks, TheSkyThatNothingOpaqueHidesIsTheLastLayer) {
   FrameInputs in = masks_of(0b1010, 4);
   EXPECT_EQ((trace(in), latest().unhidden_sky), 0);
@@ -325,10 +325,10 @@ TEST_F(SnippetMasks, UnitsAreBoundOnlyForThoseWhoRead) {
   EXPECT_EQ(bound(first_unit + 7, GL_TEXTURE_BINDING_2D_ARRAY), 0u);
 }
 
-// A host that draws the wall with a lamp and without, in a space and with a fog that no multiplication by a shadow undoes.
+// A host that draws the wall with and without a lamp, in a space and with fog for which no factor makes the shadow.
 class TwoPictures : public SnippetMasks {
  protected:
-  // Place on the wall, which the rectangle shows, of a pixel of the framebuffer.
+  // Returns the point of the wall in a pixel of the framebuffer.
   static glm::dvec2 place(int x, int y) {
     const glm::dvec2 ndc((x - left + 0.5) / masked_width * 2 - 1, (y - bottom + 0.5) / masked_height * 2 - 1);
     return ndc * 3.0 * std::tan(0.45) * glm::dvec2(double{width} / height, 1);
@@ -351,7 +351,7 @@ class TwoPictures : public SnippetMasks {
     return {0.2 * texture, std::exp(-0.2 * glm::dot(p, p)), {0.4 * near, 0.3 * near, 0.25 * near, 0.2 * near}};
   }
   static double shown(double light, double fog) { return 0.7 + fog * (std::pow(light, 1 / 2.2) - 0.7); }
-  // Whether the plate hides the light from the wall; by how much either is out of doubt.
+  // Says whether the plate occludes the light, and how far the shadow's edge is.
   struct Shadow {
     bool hidden;
     double margin;

@@ -1,4 +1,4 @@
-// What a host's shader reads by sideray_is_whole() and sideray_whole(): pixels all of whose surfaces are cached.
+// Tests sideray_is_whole() and sideray_whole() in a host's shader: pixels whose surfaces are all cached.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +14,7 @@ constexpr int width = GlassHost::width, height = GlassHost::height;
 
 class SnippetWhole : public testing::TestWithParam<int> {
  protected:
-  // Nothing opaque is before the pane.
+  // Nothing opaque is in front of the pane.
   void SetUp() override {
     const gl::Functions& gl = host_.gl;
     depth_ = gl::Renderbuffer(gl);
@@ -37,8 +37,8 @@ class SnippetWhole : public testing::TestWithParam<int> {
     return in;
   }
 
-  // A fragment of the pane: what is added to the picture, and the red of what comes through it; blue where the pixel is
-  // not whole.
+  // Returns a program for the pane: the light that is added to the picture, and the red of the transmittance; blue
+  // where the pixel is not whole.
   gl::Program program() const {
     const int version = GetParam();
     const bool old = version < 130;
@@ -55,7 +55,7 @@ class SnippetWhole : public testing::TestWithParam<int> {
   struct Counted {
     size_t whole = 0, not_whole = 0;
   };
-  // Those of the pane in the columns from `first` on.
+  // Counts the pane's pixels in the columns from `first` on.
   static Counted count(const GlassHost::Picture& picture, int first, int last) {
     Counted counted;
     for (int y = 0; y < height; ++y)
@@ -118,7 +118,7 @@ TEST_P(SnippetWhole, NoneIsWholeUnlessAskedFor) {
   EXPECT_EQ(host_.service().layers()->whole_transmittance_texture, 0u);
   const gl::Program reader = program();
   EXPECT_EQ(count(host_.draw(reader, GetParam()), 0, width).whole, 0u);
-  // The same service can be asked for them later, and no longer.
+  // Whole pixels can be requested later, and then no longer.
   host_.trace(inputs());
   EXPECT_NE(host_.service().layers()->whole_transmittance_texture, 0u);
   EXPECT_GT(count(host_.draw(reader, GetParam()), 0, width).whole, 100u);
@@ -126,7 +126,7 @@ TEST_P(SnippetWhole, NoneIsWholeUnlessAskedFor) {
   EXPECT_EQ(count(host_.draw(reader, GetParam()), 0, width).whole, 0u);
 }
 
-// A pixel that was whole and is traced no more, or counts another number, is not.
+// A pixel stops being whole when it is no longer traced, or its count changes.
 TEST_P(SnippetWhole, PixelsAreForgotten) {
   host_.trace(inputs());
   const gl::Program reader = program();

@@ -1,5 +1,5 @@
-// A room whose walls and ceiling face inwards, seen from outside and above: every way of drawing looks in
-// (docs/adr/0043-back-faces.md), and none lets the sun in.
+// Tests a room whose walls and ceiling face inwards, seen from outside and above: every way of drawing shows the inside
+// (docs/adr/0043-back-faces.md), and none lets sunlight in.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -58,7 +58,7 @@ Frame draw(const scenes::Content& content, const Way& way) {
                           .light_samples = 4, .bounces = way.bounces, .refraction = true});
 }
 
-// The share of the pixels in which anything is seen: there is no sky.
+// Returns the share of pixels that are not black: there is no sky.
 double lit_share(const Frame& frame) {
   double lit = 0;
   for (const float g : frame.planes.at("G")) lit += g > 1e-3f;

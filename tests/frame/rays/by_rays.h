@@ -1,4 +1,4 @@
-// What tests of frames that rays draw alone have in common.
+// Shared code for tests of frames drawn by rays alone.
 #pragma once
 
 #include "frame/frame.h"

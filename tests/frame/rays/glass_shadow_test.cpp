@@ -1,4 +1,4 @@
-// The shadow of glass on a floor, in every way of drawing, against the closed form of a straight ray.
+// Compares the shadow of glass on a floor, in every way of drawing, with the closed form of a straight ray.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -85,7 +85,7 @@ Renderer& shared_renderer(Way way) {
   return way == Way::alone ? alone : any;
 }
 
-// The floor's radiance, seen from below all that is above it.
+// Returns the floor's radiance, seen from below the objects above it.
 Colour floor_of(const Stage& stage, Way way) {
   Scene scene = Scene::create().value();
   sideray_material_desc white = sideray_material_defaults();
@@ -135,7 +135,7 @@ double schlick(double cosine, double ior) {
   return f0 + (1 - f0) * std::pow(1 - cosine, 5);
 }
 
-// Of unpolarized light between two media; the angle is on the side of the lower index.
+// Returns the Fresnel reflectance of unpolarized light between two media; the angle is on the side of the lower index.
 double fresnel(double cosine, double low, double high) {
   const double other = std::sqrt(1 - low * low / (high * high) * (1 - cosine * cosine));
   const double s = (low * cosine - high * other) / (low * cosine + high * other);
@@ -233,9 +233,9 @@ TEST(GlassShadow, LiquidsNest) {
   }
 }
 
-// Maps take every face as one against air, and let both absorb where solids overlap. So a drink in its glass, whose liquid
-// touches the wall, throws a shadow that is darker by what the faces between them reflect, an eighth at most; and a marble in
-// water one that is darker by the water in its place.
+// Maps treat every face as one to air, and overlapping solids both absorb. So the shadow of a drink in its glass, whose
+// liquid touches the wall, is darker by the reflection of the faces between them, at most an eighth, and that of a
+// marble in water by the water in its place.
 TEST(GlassShadow, MapsOfNestedLiquidsAreDarker) {
   constexpr float blue[3] = {0.3f, 0.7f, 0.9f}, clear[3] = {1, 1, 1};
   const double angle = 30, cosine = std::cos(angle * degrees);
@@ -278,8 +278,8 @@ TEST(GlassShadow, GrazingLightFadesAsFresnelSays) {
   }
 }
 
-// In at the side, out at the top: light that is bent would be reflected totally there. Straight light passes, in all ways
-// alike.
+// Light enters at the side and leaves at the top, where refracted light would be reflected totally. Straight light
+// passes, equally in all ways.
 TEST(GlassShadow, LightThatGlassWouldReflectTotallyPasses) {
   const double angle = 75, cosine = std::cos(angle * degrees), sine = std::sin(angle * degrees);
   const double side = 5.9, inside = (3 - (side - 0.3) * cosine / sine) / cosine;
@@ -291,7 +291,7 @@ TEST(GlassShadow, LightThatGlassWouldReflectTotallyPasses) {
   expect_paths(stage, expected, "through the side and the top");
 }
 
-// What is not drawn throws no shadow.
+// Objects that are not drawn cast no shadow.
 TEST(GlassShadow, WithoutTranslucencyThereIsNone) {
   const Stage stage{{{1, 2, glass(1.5f, colour, attenuation_distance)}}, false, 25};
   for (const Way way : {Way::off, Way::off_maps}) EXPECT_EQ(floor_of(stage, way), open_floor(25, way)) << name_of(way);

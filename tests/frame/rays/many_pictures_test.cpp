@@ -1,4 +1,5 @@
-// sideray_renderer_render_many: each picture has the bits that it has alone, whatever draws and however many threads do.
+// Tests sideray_renderer_render_many: each picture has the bits that it has alone, for any renderer and number of
+// threads.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -29,7 +30,7 @@ Drawn read(const Picture& picture) {
   return drawn;
 }
 
-// Turned around the scene's middle, further with each.
+// Returns cameras around the scene's middle.
 std::vector<sideray_camera> cameras_around(const sideray_camera& first, size_t count) {
   std::vector<sideray_camera> cameras(count, first);
   for (size_t i = 0; i < count; ++i) {

@@ -1,4 +1,4 @@
-// Ambient occlusion and reflections that are left to the plan: which scenes have them, and that the others pay nothing.
+// Tests `auto` ambient occlusion and reflections: which scenes have them, and that they cost others nothing.
 #include <gmock/gmock.h>
 #include <sideray/plan.h>
 
@@ -188,7 +188,7 @@ TEST(OpaqueRays, WhereTheyHaveAutoIsOn) {
   EXPECT_NE(automatic.planes, draw(built, SIDERAY_AMBIENT_AUTO, 0).planes);
 }
 
-// What is on stays on, whatever the scene: a caller who asks gets it.
+// Options that are on stay on in any scene.
 TEST(OpaqueRays, WhatIsAskedForIsTraced) {
   Built built({.surroundings = 0.0f});
   RenderOptions options;

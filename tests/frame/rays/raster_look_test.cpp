@@ -1,4 +1,4 @@
-// The raster look without OpenGL, beside the rasterizer's in exact order; and layers that are shown without it.
+// Compares the raster look without OpenGL with the rasterizer's in exact order, and tests layers without OpenGL.
 #include <cmath>
 
 #include "frame/rays/by_rays.h"
@@ -31,7 +31,7 @@ TEST(RasterLookByRays, LooksLikeTheRasterizer) {
   }
 }
 
-// Where rough glass is read from coarse levels, and red and blue light leave a body elsewhere than green does.
+// Rough glass reads coarse mip levels, and dispersion separates red and blue from green.
 TEST(RasterLookByRays, BendsAndBlursAsTheRasterizerDoes) {
   tests::Setup straight = by_rays(raster_look());
   straight.refraction = false;
@@ -55,7 +55,7 @@ TEST(RasterLookByRays, HasTheSameBitsForAnyNumberOfThreads) {
   expect_same_bits_for_any_threads(by_rays(raster_look()));
 }
 
-// Surfaces in exact order; what bends light is the last of its pixel and holds all that is seen through it.
+// Surfaces are in exact order; a refracting one is the last of its pixel, and holds everything behind it.
 TEST(LayersByRays, AreThoseOfTheCache) {
   for (const char* scene : {"crossing", "solids"}) {
     tests::Setup setup;
@@ -89,7 +89,7 @@ TEST(LayersByRays, ChangeNothingElse) {
   for (const char* channel : {"R", "G", "B", "A"}) EXPECT_EQ(alone.planes.at(channel), shown.planes.at(channel));
 }
 
-// Only what is traced is shown where no colours are wanted.
+// Without colours only traced channels are output.
 TEST(LayersByRays, ComeWithoutColoursToo) {
   const scenes::Content content = scenes::generate("panes", {});
   Renderer renderer = renderer_by_rays();

@@ -1,4 +1,4 @@
-// Layers that reuse the rays of their neighbours: fewer rays, about the same picture, and the plan says so.
+// Tests layers that reuse rays of their neighbours: fewer rays for about the same picture, as planned.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -50,7 +50,7 @@ TEST(RayReuse, TracesFewerRaysForAboutTheSamePicture) {
   }
 }
 
-// All that solids show is behind their first surface, whose own rays are few beside those along the bent paths.
+// Most rays of solids are along refracted paths behind their first surface, few at that surface.
 TEST(RayReuse, LendsAlongBentPathsToo) {
   Stage stage(scenes::generate("solids", {}));
   RenderOptions options = drawn(0.0f);

@@ -1,4 +1,4 @@
-// Frames that rays draw without OpenGL, beside the rasterizer's in exact order.
+// Compares frames drawn by rays without OpenGL with the rasterizer's in exact order.
 #include <cmath>
 
 #include "frame/rays/by_rays.h"
@@ -36,7 +36,7 @@ TEST(RaysAlone, LookLikeTheRasterizer) {
   }
 }
 
-// Of lights and the sky: with masks, and with a ray to each light in place of a shadow map.
+// Tests lights and the sky, with masks, and with a ray to each light instead of a shadow map.
 TEST(RaysAlone, LightOpaqueSurfacesAsTheRasterizerDoes) {
   const scenes::Content content = scenes::generate("empty", {});
   for (const sideray_shadows shadows : {SIDERAY_SHADOWS_OFF, SIDERAY_SHADOWS_MAP, SIDERAY_SHADOWS_EXACT}) {
@@ -91,7 +91,7 @@ TEST(RaysAlone, CheckNoLayers) {
   EXPECT_NE(std::string(picture.error().message).find("checked against fragments"), std::string::npos);
 }
 
-// Scenes of one renderer whose opaque surfaces are seen at the same depth, but shadowed otherwise.
+// Draws scenes with the same depth but different shadows by one renderer.
 TEST(RaysAlone, KeepNothingOfAnotherScene) {
   scenes::Content content = scenes::generate("empty", {});
   RenderOptions options;

@@ -1,5 +1,5 @@
-// Glass as glass in whole frames: what hybrid translucency shows through surfaces that bend light, against rays that follow
-// every surface, in every order of blending, at every rate, with smoke around; and what the rasterizer shows without rays.
+// Tests refracting glass in whole frames: compares hybrid translucency with rays through every surface, in every order
+// of blending, at every rate, with smoke around; and tests the rasterizer without rays.
 #include <algorithm>
 #include <cmath>
 
@@ -24,7 +24,7 @@ tests::Setup by_rays() {
   return drawn(SIDERAY_TRANSLUCENCY_RAYTRACED, 0);
 }
 
-// Means over the picture: of the difference, and of pixels that are another thing altogether.
+// Holds the mean difference, and the share of pixels that show something else.
 struct Difference {
   double mean = 0, others = 0;
 };
@@ -80,7 +80,7 @@ TEST(RefractedFrames, MatchersAndContextsAgree) {
   }
 }
 
-// What is seen through glass changes faster than the glass: half the pixels take it from those beside them.
+// The view through glass has more detail than the glass, and half the pixels take it from their neighbours.
 TEST(RefractedFrames, ReducedRatesLoseNoSurface) {
   const Frame rays = render(solids(), by_rays());
   tests::Setup straight = hybrid();
@@ -129,7 +129,7 @@ TEST(RefractedFrames, SmokeInFrontInsideAndBehindIsSeen) {
   }
 }
 
-// Of clear solids the picture is no nearer to the truth than unbent: it knows one surface of them. Of rough ones it is.
+// Screen-space refraction knows one surface: it improves the picture of rough solids, but not of clear ones.
 TEST(RefractedFrames, WithoutRaysTheOpaquePictureIsBentAndBlurred) {
   const scenes::Content rough = scenes::generate("solids", {{"roughness", "0.3"}});
   tests::Setup truth = drawn(SIDERAY_TRANSLUCENCY_HYBRID, 4);

@@ -1,5 +1,4 @@
-// A scene that is drawn again and again, with its statistics and what was planned: for tests of rays that are not
-// traced.
+// Draws a scene repeatedly, with statistics and plan, for tests of rays that are saved.
 #pragma once
 
 #include <sideray/plan.h>

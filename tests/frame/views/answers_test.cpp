@@ -1,5 +1,5 @@
-// What the pixels of pictures with a budget show of the rays (SIDERAY_AOV_ANSWERS), by the functions of C, held against what the
-// statistics count.
+// Compares the answers in pixels of pictures with a budget (SIDERAY_AOV_ANSWERS), through the C functions, with the
+// counts in statistics.
 #include <sideray/diagnostics.h>
 
 #include <cstring>

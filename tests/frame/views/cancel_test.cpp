@@ -1,4 +1,4 @@
-// A picture that another thread cancels ends early, and the renderer draws the next one as if there had been none.
+// Tests that a picture cancelled by another thread ends early, and does not change the next one.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -61,7 +61,7 @@ TEST_P(Cancelled, EndsAndLeavesNothingBehind) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   });
-  // So many that none could be drawn to its end.
+  // More samples than could be drawn to the end.
   const sideray_error error = [&] {
     const Result<Picture> result = cancelled.render(scene_, camera_, options(most_samples));
     return result ? sideray_error{} : result.error();

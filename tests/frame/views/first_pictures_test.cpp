@@ -1,5 +1,4 @@
-// The first pictures behind a cut, under a budget: what rays have not reached yet looks as a rasterizer draws it, and not as if nothing
-// threw a shadow.
+// Tests the first pictures after a cut, under a budget: pixels without rays yet look as rasterized, not unshadowed.
 #include <gtest/gtest.h>
 #include <sideray/diagnostics.h>
 
@@ -48,7 +47,7 @@ TEST(FirstPictures, HaveTheShadowsOfTheMaps) {
   EXPECT_GT(lit, 2 * 64u * 64u) << "the scene has shadows to lose";
 }
 
-// A room whose walls hide most of the sky: without occlusion everything in it shines.
+// A room whose walls hide most of the sky: without occlusion it would be far too bright.
 TEST(FirstPictures, HaveTheSkyOfAFewSamples) {
   View view = opaque_view("bistro");
   view.options.picture.ambient = 1;

@@ -1,5 +1,5 @@
-// Views that stand still while something in them moves: the tiles that see it begin anew, the others keep what they have. Each
-// becomes the picture of all positions of what it then shows, to the bit.
+// Tests still views in which something moves: tiles that see it restart, others keep their samples. Each tile converges
+// to the bits of the picture of all positions.
 #include "frame/views/view.h"
 #include "scenes/content/shapes.h"
 
@@ -12,7 +12,7 @@ using scenes::Shape;
 
 constexpr uint32_t width = 640, height = 64, positions = still_positions;
 
-// A long yard, seen from afar, so that what stands along it fills tiles of its own.
+// Returns a long yard, seen from afar, whose objects are in separate tiles.
 scenes::Content make_yard() {
   ContentBuilder b("yard");
   const uint32_t stone = b.material("stone", opaque_material({0.6f, 0.55f, 0.5f}, 0.8f));
@@ -38,7 +38,7 @@ struct Course {
   Shown last, alone;
 };
 
-// Lets a view become whole, changes something, and lets it become whole again.
+// Lets a view converge, changes something, and lets it converge again.
 template <typename Change>
 Course course_of(View& view, const Change& change) {
   const uint32_t seed = view.options.picture.seed;
@@ -65,7 +65,7 @@ TEST(StillTiles, SeeSmokeWhereItIs) {
   EXPECT_EQ(course.last.colors, course.alone.colors);
 }
 
-// Its shadow, and its image in the mirror, are seen elsewhere.
+// Its shadow and its mirror image are in other tiles.
 TEST(StillTiles, SeeAnObjectWhereItMoves) {
   View view(make_yard(), width, height);
   view.options.picture.ambient = 0;
@@ -83,7 +83,7 @@ TEST(StillTiles, SeeALampWhereItLights) {
   EXPECT_EQ(course.last.colors, course.alone.colors);
 }
 
-// Light that bounces brings it everywhere.
+// Bounced light brings it to all tiles.
 TEST(StillTiles, SeeALampInTheLightThatBounces) {
   View view(make_yard(), width, height);
   view.options.picture.ambient = SIDERAY_AMBIENT_BOUNCE;
@@ -96,7 +96,7 @@ TEST(StillTiles, SeeALampInTheLightThatBounces) {
   EXPECT_EQ(view.draw(still_positions + 1).colors, view.alone(seed).colors);
 }
 
-// While it rises, only the tiles that show it are drawn anew; the others become whole, as if it were not there.
+// While smoke rises only the tiles that show it restart; the others converge as without it.
 TEST(SlowStillTiles, BecomeWholeBesideSmokeThatNeverRests) {
   View view(make_yard(), width, height);
   double time_s = 5.0;

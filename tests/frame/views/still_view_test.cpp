@@ -1,5 +1,5 @@
-// Views that stand still, through the public interface and with its defaults: they become the picture of many camera positions
-// and then cost nothing, until something changes.
+// Tests still views through the public interface with its defaults: they converge to the picture of many camera
+// positions, and then cost nothing until something changes.
 #include <sideray/diagnostics.h>
 
 #include <algorithm>
@@ -77,7 +77,7 @@ TEST(StillView, GoesOnWhereACommitChangesNothing) {
   EXPECT_EQ(view.draw().rays(), 0u);
 }
 
-// What is shown where a view begins to move is averaged with what it had become, not with what it was when it stopped.
+// When a view begins to move again, its history is the converged picture, not the one from when it stopped.
 TEST(StillView, LeavesItsPictureToTheAverage) {
   View still = view_of("solids"), hasty = view_of("solids");
   still.draw(positions + 1);
@@ -110,7 +110,8 @@ struct UnderBudget {
   Shown whole, done;
 };
 
-// A budget of a piece of each job a frame: each position takes as many frames as it needs, and what is shown meanwhile is whole.
+// Sets a budget of one piece of each job a frame. Each position takes as many frames as it needs, and pictures are
+// complete meanwhile.
 UnderBudget under_a_budget(View& view) {
   view.options.translucency->ray_reuse = 0.0f;  // who lends to whom depends on the pieces
   const uint32_t seed = view.options.picture.seed;
@@ -150,7 +151,7 @@ TEST(StillView, UnderABudgetBecomesTheSamePicture) {
   EXPECT_EQ(drawn.done.colors, drawn.whole.colors);
 }
 
-// What mirrors and glass show of bounced light is shared among the hits of a piece, so that it has other noise.
+// Hits in a piece share bounced light in mirrors and glass, so that the noise differs.
 TEST(StillView, UnderABudgetBecomesNearlyThatWhereLightBounces) {
   View view = view_of("solids");
   const UnderBudget drawn = under_a_budget(view);
@@ -158,8 +159,7 @@ TEST(StillView, UnderABudgetBecomesNearlyThatWhereLightBounces) {
   EXPECT_LT(difference(drawn.done, drawn.whole), 1e-3);
 }
 
-// What a budget leaves out of such layers is not there in the next frame either: no position would ever be whole, and the
-// picture would stay what it was.
+// Such layers are not kept between frames, so that under a budget no position would ever be complete.
 TEST(StillView, UnderABudgetIsNoneWhereLayersAreNotKept) {
   for (const bool composited : {true, false}) {
     View view = view_of("solids");
@@ -178,7 +178,7 @@ TEST(StillView, UnderABudgetIsNoneWhereLayersAreNotKept) {
   }
 }
 
-// As a program that poses its scene in each frame: what stands still then is still under a budget, too.
+// A program that poses its scene in each frame has a still view too if nothing changes, also under a budget.
 TEST(StillView, UnderABudgetGoesOnWhereSpritesStandStill) {
   View view = view_of("smoke");
   sideray_diagnostics diagnostics = sideray_diagnostics_defaults();
@@ -189,7 +189,7 @@ TEST(StillView, UnderABudgetGoesOnWhereSpritesStandStill) {
   EXPECT_LT(frames, 60u);
 }
 
-// Behind a cut there is nothing to show but what has had a turn: each frame shows more.
+// After a cut only traced pieces have answers: each frame shows more of them.
 TEST(StillView, UnderABudgetShowsEachPieceAsItComes) {
   View view(scenes::generate("solids", {}), 192, 108);
   sideray_diagnostics diagnostics = sideray_diagnostics_defaults();
@@ -203,7 +203,7 @@ TEST(StillView, UnderABudgetShowsEachPieceAsItComes) {
   }
 }
 
-// Nor does it begin anew where sprites are committed once more as they were.
+// A view does not restart where unchanged sprites are committed again.
 TEST(StillView, GoesOnWhereSpritesStandStill) {
   View view = view_of("smoke");
   view.draw(2);

@@ -1,4 +1,4 @@
-// A view that a renderer draws picture by picture, through the public interface and with its defaults.
+// Draws a view picture by picture, through the public interface and with its defaults.
 #pragma once
 
 #include <cmath>
@@ -49,7 +49,7 @@ class View {
     for (uint32_t i = 1; i < pictures; ++i) draw();
     return draw();
   }
-  // The picture of all positions, as a renderer draws it that has drawn nothing before.
+  // Returns the picture of all positions by a new renderer.
   Shown alone(uint32_t seed) {
     RenderOptions one = options;
     one.picture.continues = 0;
@@ -68,7 +68,7 @@ class View {
     scene_.commit();
   }
   void commit() { scene_.commit(); }
-  // Moves a light, an object, or the sprites to where they are at a time.
+  // The following move a light, an object, or the sprites to a time.
   void move_light(size_t light, glm::dvec3 by) {
     for (int i = 0; i < 3; ++i) lights_.at(light).position[i] += by[i];
     scene_.set_lights(lights_);

@@ -51,8 +51,8 @@ class Views : public ::testing::TestWithParam<const char*> {
     EXPECT_GT(drawn.layers_found, 10u);
     EXPECT_EQ(drawn.layers_found, all.layers_found);
     EXPECT_EQ(drawn.layers_matched, all.layers_matched);
-    // A ray through a pixel's centre may meet the edge of a pane that the rasterizer, by its rule for edges, gives to
-    // the pixel beside it. Such layers are no narrow view's: most, 2 of 19,789, are found at 30 degrees.
+    // A ray may hit the edge of a pane that the rasterizer's rule for edges gives to the neighbouring pixel. That is
+    // not caused by narrow views: most such layers, 2 of 19,789, are at 30 degrees.
     EXPECT_LE(drawn.layers_found - drawn.layers_matched, 2u);
     EXPECT_EQ(drawn.layers_missed, all.layers_missed);  // fragments behind the last layer
     EXPECT_EQ(drawn.layers_misassigned, 0u);

@@ -1,4 +1,4 @@
-// A rasterizer that follows a scene through random edits draws what one draws that has never seen another scene.
+// Tests that a rasterizer that follows a scene through random edits draws the same as a new one.
 #include <utility>
 
 #include "gl/raster/raster_scene_builder.h"

@@ -1,4 +1,4 @@
-// Which pixels take the inexact shadow test: told by a pass of its own, or with the G-buffer.
+// Tests which pixels get the inexact shadow test, marked by a separate pass or in the G-buffer.
 #include "gl/gl_contexts.h"
 #include "gl/raster/raster_scene_builder.h"
 

@@ -1,4 +1,4 @@
-// Many instances in the rasterizer: which are left out, and what is kept from snapshot to snapshot.
+// Tests many instances in the rasterizer: culling, and reuse between snapshots.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -111,7 +111,7 @@ class RasterInstances : public EveryContext {
   }
 };
 
-// Which instances stand together in blocks, and where draws begin, shows nowhere.
+// The grouping of instances into blocks and draws does not change the picture.
 TEST_P(RasterInstances, TheirOrderChangesNoPixel) {
   std::vector<uint32_t> order = numbers(900);
   Rasterizer one(gl()), other(gl());

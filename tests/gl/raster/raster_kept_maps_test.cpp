@@ -1,4 +1,4 @@
-// Shadow maps that are kept from picture to picture hold what maps drawn for one picture hold.
+// Tests that reused shadow maps equal maps drawn for one picture.
 #include <cstdlib>
 #include <functional>
 #include <utility>

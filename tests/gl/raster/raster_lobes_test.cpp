@@ -1,5 +1,5 @@
-// Clear coat, sheen, diffuse transmission, thin films and all texture slots: what the passes draw is what shading.h
-// says in C++.
+// Compares clear coat, sheen, diffuse transmission, thin films and all texture slots in the passes with shading.h in
+// C++.
 #include <algorithm>
 #include <cmath>
 
@@ -43,7 +43,8 @@ const std::vector<sideray_light>& suns() {
   return two;
 }
 
-// What leaves the surface at `position` toward the eye under the suns and a uniform sky; with its film already.
+// Returns the radiance from the surface at `position` toward the eye under the suns and a uniform sky; `s` has its
+// film.
 glm::vec3 expected_radiance(SrSurface s, glm::vec3 position) {
   const glm::vec3 to_eye = glm::normalize(eye - position);
   const float n_v = std::abs(glm::dot(s.normal, to_eye));

@@ -1,4 +1,4 @@
-// What a deadline gives up, and in which order work is taken before it.
+// Tests which work a deadline skips, and the order of work before it.
 #include "rt/base/deadline.h"
 
 #include <gmock/gmock.h>

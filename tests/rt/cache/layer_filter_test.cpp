@@ -83,8 +83,8 @@ TEST(LayerFilter, keeps_what_is_even) {
     for (uint32_t x = 0; x < width; ++x) ASSERT_NEAR(red(cache, x, y), 1.0, 0.002);
 }
 
-// A rough pane reflects by one direction and is seen through by another: neither becomes part of the other, and what is
-// reflected of the environment alone stays as it came.
+// A rough pane has one random direction for reflection and another for transmission: the filter must not mix them, and
+// must keep reflections of the environment alone.
 TEST(LayerFilter, keeps_what_is_seen_through_apart_from_reflections) {
   for (const bool reflects_environment : {false, true}) {
     Executor executor(2);
@@ -171,8 +171,7 @@ TEST(LayerFilter, finds_a_surface_in_whichever_layer) {
   EXPECT_LT(squares / (width * height) - mean * mean, 4.0 / 64);
 }
 
-// Where little is averaged, one sample that is brighter than all around does not show as a spot; elsewhere nothing is
-// lost.
+// Where few samples are averaged, a single bright one must not show as a spot; elsewhere no energy is lost.
 TEST(LayerFilter, spreads_no_single_spark) {
   const auto spark_among = [](float nearness) {
     return filtered([nearness](uint32_t x, uint32_t y) {

@@ -1,5 +1,5 @@
-// Older answers under a deadline: who has a turn when, what is shown meanwhile, and what leaves nothing. Work is bounded by
-// pieces in place of a clock, and a trace of the whole frame is the oracle.
+// Tests older answers under a deadline: the order of turns, the answers meanwhile, and what clears them. Work is
+// bounded by pieces instead of a clock, and compared with a trace of the whole frame.
 #include "rt/cache/older_layers.h"
 
 #include <gmock/gmock.h>

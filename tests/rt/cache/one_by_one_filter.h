@@ -1,4 +1,4 @@
-// Filters layers as LayerFilter does, one by one: what its kernels are held to, bit for bit.
+// Filters layers as LayerFilter does, one by one, as the reference for its kernels' bits.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// A tracer that follows a scene through random edits answers as one that has never seen another scene.
+// Tests that a tracer that follows a scene through random edits gives the same results as a new one.
 #include <gtest/gtest.h>
 
 #include <algorithm>

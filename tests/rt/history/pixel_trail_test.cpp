@@ -1,5 +1,5 @@
-// Where pixels were in the frame before: a camera moves past a floor and a wall, and every answer is held against the
-// projection of the point that the pixel shows.
+// Tests the reprojection of pixels to the previous frame: a camera moves past a floor and a wall, and every answer is
+// compared with the projection of the pixel's point.
 #include "rt/history/pixel_trail.h"
 
 #include <gtest/gtest.h>
@@ -92,7 +92,7 @@ TEST_P(Trail, finds_the_pixel_that_showed_the_point) {
   EXPECT_GT(found, all * 95 / 100);
 }
 
-// What is hidden and comes into sight was nowhere.
+// Disoccluded points have no previous pixel.
 TEST_P(Trail, knows_nothing_of_what_was_hidden) {
   Executor executor(2);
   PixelTrail trail;

@@ -1,4 +1,4 @@
-// Light that surfaces throw on each other, against closed forms: a furnace, an open field, and views that stand still.
+// Compares bounced light with closed forms: a furnace, an open field; and tests still views.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -88,7 +88,7 @@ TEST(Irradiance, OfAnOpenFieldIsNone) {
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(rgb(image.light, t)[c], 0.0f, 1e-3f) << t;
 }
 
-// The mask of the sky counts a coloured sheet by the mean of its channels: what they differ from it by is found here.
+// The sky's mask counts a coloured sheet by the mean of its channels; irradiance adds the differences.
 TEST(Irradiance, BelowGlassHasItsColour) {
   TestScene scene;
   scene.quad({0, -2, 0}, {50, 0, 0}, {0, 0, 50}, matt(0.8f, glm::vec3(0.0f)));
@@ -268,7 +268,7 @@ TEST(Irradiance, OfAViewKnowsNothingOfAnothers) {
   EXPECT_EQ(trace(true), trace(false));
 }
 
-// A camera that moves under a budget: a frame traces a row of tiles, and shows what it showed elsewhere.
+// Under a budget with a moving camera, a frame traces a row of tiles and reprojects the others.
 TEST(Irradiance, OfAMovingCameraUnderABudgetIsCarriedAlong) {
   Tracer tracer({2, ""});
   tracer.set_scene(furnace(0.5f, glm::vec3(1.0f)));
@@ -300,7 +300,7 @@ TEST(Irradiance, OfAMovingCameraUnderABudgetIsCarriedAlong) {
   }
 }
 
-// What is carried along moves with its surface: an image that says where on the floor each pixel lies still says so.
+// Reprojected light moves with its surface: an image of each pixel's place on the floor stays right.
 TEST(Irradiance, ThatIsCarriedAlongMovesWithItsSurface) {
   constexpr double step = 0.3, pixel = 0.06;  // on the floor
   const FloorFrame before, after(step);

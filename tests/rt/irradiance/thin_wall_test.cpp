@@ -1,5 +1,5 @@
-// A wall of 1 cm between a room with a lamp and one without. The rooms are open to a black sky alone, so that no light at all
-// arrives in the dark one.
+// Tests a wall of 1 cm between a room with a lamp and one without. The rooms open only to a black sky, so that no light
+// may reach the dark one.
 #include <gtest/gtest.h>
 
 #include <optional>

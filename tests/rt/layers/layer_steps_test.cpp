@@ -1,5 +1,5 @@
-// The ways to step along a ray beside each other, surfaces that lie in one plane or nearly so, and the count of layers
-// that hold one surface twice.
+// Compares steppers along a ray, also for surfaces in one plane or nearly so, and tests the count of layers that hold a
+// surface twice.
 #include <gmock/gmock.h>
 #include <sideray/diagnostics.h>
 
@@ -66,7 +66,7 @@ TEST(Steps, retrace_gives_the_same_bits_as_multihit) {
   EXPECT_EQ(images[0].transmittance, images[1].transmittance);
 }
 
-// What listing 50-1 finds of surfaces at these distances: MinT grows by each distance found.
+// Returns the distances that listing 50-1 finds: MinT grows by each distance found.
 std::vector<float> listed(const std::vector<float>& distances) {
   std::vector<float> found;
   float start = 0.0f;

@@ -1,4 +1,4 @@
-// Which pixels are traced, what the cache and the composite hold, and what is counted.
+// Tests which pixels are traced, the contents of cache and composite, and the counters.
 #include <gmock/gmock.h>
 
 #include <algorithm>

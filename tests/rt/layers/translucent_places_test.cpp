@@ -1,4 +1,4 @@
-// Where rays look for translucent surfaces: at every pixel that shows one, and at few others.
+// Tests that rays look for translucent surfaces in every pixel that shows one, and in few others.
 #include "rt/drawing/translucent_places.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What paths bring from a floor below a sky that a wall hides in part, against closed forms.
+// Compares light by paths from a floor, under a sky that a wall partly hides, with closed forms.
 #include <gtest/gtest.h>
 
 #include <glm/glm.hpp>
@@ -13,8 +13,8 @@ namespace {
 
 using namespace test;
 
-// The mean of what paths bring that meet a floor of albedo .5. The sky is 2 toward +X and 0 toward -X; an endless black wall
-// hides the side of sign `hidden`, or none.
+// Returns the mean light of paths that hit a floor of albedo .5. The sky is 2 toward +X and 0 toward -X; an infinite
+// black wall hides the side of sign `hidden`, or none.
 float light_of_floor(double hidden) {
   TestScene scene;
   scene.quad({0, -1, 0}, {1, 0, 0}, {0, 0, 1}, matt(0.5f));

@@ -1,4 +1,4 @@
-// What arrives at points that rays have hit, where light bounces, against closed forms: a furnace, an open field, half a sky.
+// Compares bounced light at hits of rays with closed forms: a furnace, an open field, half a sky.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 
 using namespace test;
 
-// Shades what rays hit that go from a point in all directions through a grid on the face of a cube.
+// Shades the hits of rays from a point through a grid on a face of a cube.
 struct Hits {
   explicit Hits(TestScene& scene) : shading(std::make_unique<ShadingScene>(scene.commit())) {
     intersector.set_scene(shading->snapshot);

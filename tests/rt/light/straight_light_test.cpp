@@ -1,4 +1,4 @@
-// What translucent surfaces leave of light that goes straight through them, against closed forms.
+// Compares light that passes straight through translucent surfaces with closed forms.
 #include "rt/light/straight_light.h"
 
 #include <gtest/gtest.h>
@@ -135,7 +135,7 @@ TEST(StraightLight, BlendedSurfacesTakeTheirCover) {
     }
 }
 
-// Of a texture in every slot, those of what lies behind and of what glows leave light alone.
+// With a texture in every slot, those of diffuse transmission and of emission do not change straight light.
 TEST(StraightLight, TexturesTintIt) {
   const uint8_t texel[] = {255, 0, 255, 255}, black[] = {0, 0, 0, 255};
   for (const bool base : {false, true}) {

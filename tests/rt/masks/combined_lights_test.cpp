@@ -1,4 +1,5 @@
-// The mask that all lights from the 33rd on share: one ray a pixel, to a light drawn by what it would add unshadowed.
+// Tests the mask that all lights from the 33rd on share: one ray a pixel, to a light drawn by its unshadowed
+// contribution.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -96,7 +97,7 @@ class CombinedMask : public testing::Test {
   std::map<std::pair<uint32_t, uint32_t>, glm::dvec3> points_;
 };
 
-// By every light's own mask, and what each adds to a floor that looks up.
+// Computes the expected mask from every light's own mask and its contribution to a floor that faces up.
 double expected_at(const model::Snapshot& snapshot, const OcclusionMasks& masks, glm::vec3 position, size_t texel) {
   const ShadingScene scene(std::make_shared<const model::Snapshot>(snapshot));
   double lit = 0.0, sum = 0.0;
@@ -146,7 +147,7 @@ TEST_F(CombinedMask, MeanIsTheVisibilityWeightedByWhatLightsAdd) {
   EXPECT_LT(std::abs(off), 4.0 * std::sqrt(variance)) << "all pixels together";
 }
 
-// What one drawn light brings, its tint included, is in the mean what all bring: by every light's own mask and tint.
+// The mean contribution of the drawn light, tint included, equals that of all lights by their own masks and tints.
 TEST_F(CombinedMask, TintsAreWeightedByWhatLightsAdd) {
   sideray_material_desc pane = glass();
   pane.thickness = 0.0f;

@@ -1,4 +1,4 @@
-// Where rays of opaque pixels start: where the depth has them, or where a ray met the very same surface.
+// Tests the origins of rays of opaque pixels: the point of the depth, or a ray's hit of the same surface.
 #include "rt/masks/depth_points.h"
 
 #include <gtest/gtest.h>
@@ -76,7 +76,7 @@ TEST_F(CoarseWall, PointsOfRaysAreExact) {
   }
 }
 
-// The ray met something else than what is drawn: the depth is right.
+// If the ray hits another surface than the drawn one, the depth is used.
 TEST_F(CoarseWall, PointsOfAnotherSurfaceDoNotCount) {
   const std::vector<DepthPoint> expected = gather();
   for (OpaquePoint& p : points_) p.distance -= 1.0;

@@ -1,4 +1,4 @@
-// Masks of what stands still: neither traced nor changed once they have settled, and traced again after any change.
+// Tests masks of still views: once converged they are neither traced nor changed, and any change traces them again.
 #include "rt/masks/kept_masks.h"
 
 #include <gtest/gtest.h>
@@ -111,7 +111,7 @@ TEST_F(StandsStill, no_ray_is_traced_once_the_mean_over_frames_has_settled) {
   EXPECT_GT(std::count_if(mask.begin(), mask.end(), [](uint8_t v) { return v > 0 && v < 255; }), 100);
 }
 
-// What stays is what a sequence that traces every frame shows at that moment.
+// The reused mask is that of a sequence that traces every frame, at that moment.
 TEST_F(StandsStill, the_mask_that_stays_is_the_one_that_tracing_every_frame_has_there) {
   settle();
   MaskFilters filters;
@@ -188,7 +188,7 @@ TEST_F(StandsStill, glass_that_comes_makes_masks_of_lights_traced_again) {
   EXPECT_EQ(frame(), 0u);
 }
 
-// A light that shines brighter reaches farther, where it matters how far it does.
+// A brighter light reaches farther, which matters where its range is limited.
 TEST_F(StandsStill, the_brightness_of_a_light_is_a_change_where_it_ends_where_it_adds_little) {
   least_light_ = 0.01f;
   settle();
@@ -243,7 +243,7 @@ TEST_F(StandsStill, a_frame_that_follows_none_is_kept_where_its_samples_are_the_
   EXPECT_GT(frame(SequenceStep::first), 0u);
 }
 
-// Its time is that of the picture as it was drawn, unless it is drawn as one after which nothing has changed.
+// A repeated frame traces as many rays as the picture, unless it is drawn as one after which nothing has changed.
 TEST_F(StandsStill, a_frame_drawn_again_traces_what_it_traced) {
   frame(SequenceStep::first);
   const uint64_t rays = frame();
@@ -287,8 +287,7 @@ TEST_F(StandsStill, a_bad_request_is_refused_and_touches_nothing) {
   EXPECT_EQ(frame(), 0u) << "no mask was touched";
 }
 
-// A view that goes through eight places in the pixel again and again: each place has the mask that it had when all had
-// settled.
+// A view with eight jitter positions in turn: each position has its mask from when all had converged.
 TEST_F(StandsStill, places_in_the_pixel_have_masks_of_their_own) {
   std::vector<std::vector<uint8_t>> shown;
   const uint32_t first_kept = 8 + settled;
@@ -302,7 +301,7 @@ TEST_F(StandsStill, places_in_the_pixel_have_masks_of_their_own) {
   EXPECT_NE(shown[first_kept], shown[first_kept + 1]);
 }
 
-// After it has stood still the past goes on as it was left.
+// After rest the history continues where it was left.
 TEST_F(StandsStill, the_first_frame_in_motion_follows_the_mask_that_stood) {
   settle();
   for (int i = 0; i < 5; ++i) frame();
@@ -347,7 +346,7 @@ TEST_F(StandsStill, what_veils_the_sky_makes_its_mask_traced_again) {
   EXPECT_FALSE(kept_.keeps(0) || kept_.keeps(1) || kept_.keeps(2));
 }
 
-// Rays that go where the surroundings' light comes from go elsewhere under others.
+// Rays that sample the environment change with it.
 TEST_F(StandsStill, other_surroundings_make_the_sky_traced_again_where_rays_go_by_their_light) {
   for (const bool by_light : {true, false}) {
     SCOPED_TRACE(by_light);

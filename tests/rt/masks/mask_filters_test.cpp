@@ -1,4 +1,4 @@
-// Denoised masks of whole frames against closed forms: a floor under the edge of an endless roof, light from the
+// Compares denoised masks of whole frames with closed forms: a floor under the edge of an infinite roof, light from the
 // zenith.
 #include "rt/masks/mask_filters.h"
 
@@ -154,7 +154,7 @@ TEST_F(UnderTheRoof, a_frame_drawn_again_stays_and_a_cut_forgets) {
   EXPECT_NE(lit(request(4, &filters, SequenceStep::next)), lit(request(4, &fresh)));
 }
 
-// A frame in between without the light's mask, even one of another size, leaves nothing that could be followed.
+// After a frame without the light's mask, or of another size, there is no history.
 TEST_F(UnderTheRoof, what_was_filtered_before_the_last_frame_is_no_past) {
   MaskFilters filters, fresh;
   look(0);

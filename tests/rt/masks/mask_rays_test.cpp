@@ -222,9 +222,9 @@ TEST_F(MaskRays, to_the_sky_are_those_made_one_by_one) {
   for (const uint32_t index : {0u, 1u, 4u}) expect_same_rays(rays_to_the_sky(3.0f, 5, index));
 }
 
-// At the end of its range a light adds what was asked for.
-// A direction below the surface meets the surface itself at once: it says nothing of what hides the sky, and the filter would take it
-// for a contact, and leave the pixels around as they were traced.
+// At the end of its range a light adds just `least_light`.
+// A ray below the surface would hit the surface itself at once. That is no occlusion of the sky, and the filter would
+// treat it as a contact and leave the pixels around it unfiltered.
 TEST_F(MaskRays, of_a_sky_go_above_the_surface) {
   const std::vector<float> rgb(size_t{16} * 8 * 3, 1.0f);
   const SkyDirections sky(model::build_environment(16, 8, rgb.data(), 1.0f, 0.0f));

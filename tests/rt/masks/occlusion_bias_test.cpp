@@ -1,5 +1,5 @@
-// Where shadow rays start, against exact geometry: from 0.1 to 10,000 m, for each depth format, surfaces do not shadow
-// themselves, and no occluder is lost that is farther off than seven steps of the depth.
+// Tests the origins of shadow rays against exact geometry: from 0.1 to 10,000 m, for each depth format, surfaces do not
+// shadow themselves, and no occluder farther off than seven steps of the depth is lost.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -46,7 +46,7 @@ struct Triangles {
   }
 };
 
-// Whether a triangle is met by a ray beyond `least`, in double, one by one.
+// Returns whether a ray hits any triangle beyond `least`, in double.
 bool meets(const Triangles& all, glm::dvec3 origin, glm::dvec3 d, double least) {
   for (size_t i = 0; i < all.count(); ++i) {
     const glm::dvec3 p0 = all.corner(i, 0), e1 = all.corner(i, 1) - p0, e2 = all.corner(i, 2) - p0, s = origin - p0;
@@ -57,8 +57,8 @@ bool meets(const Triangles& all, glm::dvec3 origin, glm::dvec3 d, double least) 
   return false;
 }
 
-// Triangles as a rasterizer draws them: depth of what is nearest in each pixel's middle, where corners may have moved
-// by half of 1/256 of a pixel, rounded to the format.
+// Draws triangles as a rasterizer does: the nearest depth in each pixel's middle, rounded to the format, after moving
+// corners by up to half of 1/256 of a pixel.
 class Drawn {
  public:
   static constexpr uint32_t width = 96, height = 72;
@@ -81,7 +81,7 @@ class Drawn {
     rays_.emplace(request.view, width, height);
   }
 
-  // The view in which each pixel's middle sees what is drawn there.
+  // Returns the view whose pixel centres see the drawn points.
   TraceView moved_view() const {
     TraceView view = request.view;
     for (int c = 0; c < 4; ++c) {
@@ -92,7 +92,7 @@ class Drawn {
     return view;
   }
 
-  // `seen`: which triangle each pixel shows, none: nothing.
+  // Draws; `seen` is the triangle in each pixel, or none.
   void draw(const std::vector<size_t>& seen) {
     for (uint32_t y = 0; y < height; ++y)
       for (uint32_t x = 0; x < width; ++x) {
@@ -102,8 +102,8 @@ class Drawn {
       }
   }
 
-  // What is uncertain of a pixel's depth, along its ray: a step of the format, rounding of floats, and what the grid of
-  // corners does to a slope.
+  // Returns the uncertainty of a pixel's depth along its ray: a step of the format, rounding of floats, and the effect
+  // of the corners' grid on a slope.
   double step(uint32_t x, uint32_t y, size_t triangle) const {
     const double depth = read_depth(request.depth, x, y).depth, d = rays_->distance(x, y, depth);
     const auto f = static_cast<float>(depth);
@@ -278,9 +278,9 @@ Triangles obstacles(double h, double gap) {
   return t;
 }
 
-// What the mask says of a pixel is what exact rays say from some point of its view ray within seven steps of the depth
-// in front of the surface, one and a half where it is reversed, for which no rounding of floats is allowed for: no light
-// leaks farther under a plate or behind a wall, and no shadow is wrong by more.
+// A pixel's mask must equal exact rays from some point of its view ray within seven steps of the depth in front of the
+// surface, or one and a half for reversed depth, without allowance for rounding of floats. So no light leaks farther
+// under a plate or behind a wall, and no shadow is displaced by more.
 TEST_F(ShadowBias, contact_shadows_leak_seven_steps_at_most) {
   size_t pixels = 0, shadowed = 0, wrong = 0;
   uint32_t corner = 0;
@@ -331,8 +331,8 @@ Triangles book(double h, double angle, double turned, bool toward_eye) {
   return t;
 }
 
-// Beside a fold the nearer neighbour may be on the other face. What exact rays say of a pixel, through its own page where
-// that faces away from the light, the mask says where the page shows three pixels in a row and in a column.
+// Beside a fold the nearer neighbour may be on the other face. Where a page shows three pixels in a row and in a
+// column, the mask must equal exact rays, which pass the pixel's own page where it faces away from the light.
 TEST_F(ShadowBias, folds_show_what_exact_rays_say) {
   size_t pixels = 0, shadowed = 0, wrong = 0, narrow = 0, narrow_wrong = 0;
   uint32_t corner = 0;
@@ -372,7 +372,7 @@ TEST_F(ShadowBias, folds_show_what_exact_rays_say) {
           }
         }
   std::printf("%zu of %zu wrong, %zu of %zu where a page is narrower\n", wrong, pixels, narrow_wrong, narrow);
-  // Those are so near to the spine that both pages pass through the pixel, by what its depth is precise.
+  // These are so near to the spine that both pages are in the pixel, within the precision of depth.
   EXPECT_LE(wrong, 8u);
   EXPECT_GT(pixels, 900000u);
   EXPECT_GT(shadowed, 50000u);

@@ -1,4 +1,4 @@
-// Shadow masks from a depth buffer: planes are lit, and the inexact tests do what their closed forms say.
+// Tests shadow masks from a depth buffer: planes are lit, and inexact tests follow their closed forms.
 #include <gtest/gtest.h>
 #include <sideray/diagnostics.h>
 
@@ -93,7 +93,7 @@ TEST(OcclusionMasks, a_plane_does_not_shadow_itself) {
   EXPECT_GT(pixels, 30000u);
 }
 
-// Both neighbours of a leaf one pixel broad are the wall behind, whose depth says nothing of how the leaf stands.
+// Both neighbours of a leaf one pixel wide show the wall behind, whose depth does not give the leaf's normal.
 TEST(OcclusionMasks, a_thin_leaf_does_not_shadow_itself) {
   const TraceView view = perspective({0, 0, 5}, {0, 0, 0}, 0.8, double{width} / height);
   for (const float turn : {-1.1f, -0.5f, 0.0f, 0.4f, 1.2f})
@@ -205,7 +205,7 @@ TEST_F(MovedFloor, the_same_bits_for_any_thread_count) {
   EXPECT_EQ(a.open, b.open);
 }
 
-// Of a floor in shadow throughout, what a light adds less than asked for to is lit, without a ray.
+// On a floor in shadow, pixels to which a light adds less than `least_light` are lit without a ray.
 TEST(OcclusionMasks, where_a_light_adds_little_no_ray_goes) {
   Tracer tracer({2, ""});
   const TraceView view = perspective({0, 5, 0}, {0, 0, -3}, 0.8, double{width} / height);

@@ -1,4 +1,4 @@
-// Older masks under a deadline: which tiles have their turn when, and what the others show.
+// Tests older masks under a deadline: the order of tiles, and the masks of others meanwhile.
 #include "rt/masks/older_masks.h"
 
 #include <gmock/gmock.h>
@@ -115,7 +115,7 @@ TEST_F(OlderMaskFrames, both_kinds_count) {
   EXPECT_EQ(masks_.open, whole().open);
 }
 
-// Masks that are filtered again are filtered once, and not what the filter has made.
+// The filter always takes traced masks, never its own results.
 TEST_F(OlderMaskFrames, filtered_masks_stay_steady) {
   filtered_ = sky_ = true;
   frame(all, SequenceStep::first);
@@ -155,7 +155,7 @@ TEST_F(OlderMaskFrames, only_what_is_traced_is_filtered) {
   EXPECT_LT(sum / static_cast<double>(some.size()), 0.5);
 }
 
-// A penumbra that were filtered again in every frame would grow.
+// A penumbra that was filtered again in every frame would grow.
 TEST_F(OlderMaskFrames, penumbrae_move_as_they_are) {
   filtered_ = true;
   soften();
@@ -219,7 +219,7 @@ TEST_F(OlderMaskFrames, slow_motion_is_followed) {
   EXPECT_LT(differing(masks_.lit, now.lit), dark(now.lit) / 12);
 }
 
-// What stands elsewhere now has no mask of what was there before.
+// A surface that replaces another has no mask of it.
 TEST_F(OlderMaskFrames, another_surface_is_lit) {
   frame(all, SequenceStep::first);
   size_t shown = 0;

@@ -1,5 +1,5 @@
-// The shadow denoiser in lanes and tiles against the same steps written plainly on whole images, over moving noisy frames
-// with edges, slopes and holes of depth, for a sun and for a sphere.
+// Compares the shadow denoiser in lanes and tiles with the same steps written simply on whole images, over moving noisy
+// frames with edges, slopes and holes of depth, for a sun and for a sphere.
 #include <gtest/gtest.h>
 
 #include <algorithm>

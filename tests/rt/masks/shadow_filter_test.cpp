@@ -195,8 +195,8 @@ TEST(ShadowFilter, moving_shadows_leave_no_trail) {
   EXPECT_LT(error(clip, clip.result, 0.8, 56.0), 0.12);
 }
 
-// Stripes of a pixel, so that the neighbourhood allows all between 0 and 1, that move by three pixels: history in place
-// agrees with them, history out of place is their opposite. How much there is of it shows when they are inverted.
+// Stripes of one pixel move by three pixels; the neighbourhood allows all values between 0 and 1. Reprojected history
+// agrees with them, history at the same pixel is their opposite. Inverting them shows how much history is used.
 TEST(ShadowFilter, history_follows_motion_and_not_what_was_hidden) {
   Executor executor(1);
   Clip clip;

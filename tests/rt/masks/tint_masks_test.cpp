@@ -1,4 +1,4 @@
-// What masks say of glass between the lights and opaque pixels: against rays of their own, and along sequences.
+// Tests tints of glass between lights and opaque pixels, against separate rays and along sequences.
 #include <gtest/gtest.h>
 
 #include <algorithm>

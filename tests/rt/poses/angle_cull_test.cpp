@@ -1,4 +1,4 @@
-// Which instances leave by how large they look, against the rule spelt out; what the tracer then meets.
+// Compares culling by apparent size with the rule itself, and tests what the tracer then hits.
 #include "rt/poses/angle_cull.h"
 
 #include <gtest/gtest.h>

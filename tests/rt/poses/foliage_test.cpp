@@ -1,4 +1,4 @@
-// What rays hit of plants that move: sr_wind's own triangles, whichever way their trees were kept.
+// Tests that rays hit the triangles of sr_wind for moving plants, however their trees were updated.
 #include "rt/poses/foliage.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Meshes that get other vertices: rays hit them as if they were new, their trees are kept.
+// Tests meshes that get other vertices: rays hit them like new meshes, and their trees are reused.
 #include <gtest/gtest.h>
 
 #include "rt/base/executor.h"

@@ -1,4 +1,4 @@
-// Cells that rays pass: no box that a ray has passed is missed, whatever its place and size, and most of the others are told.
+// Tests the cells that rays pass: no box that a ray has passed is missed, and most others are recognized as not passed.
 #include "rt/reach/tile_reach.h"
 
 #include <gtest/gtest.h>

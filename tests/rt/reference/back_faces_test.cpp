@@ -1,4 +1,4 @@
-// Which rays see the backs of opaque surfaces whose materials are not double sided (docs/adr/0043-back-faces.md).
+// Tests which rays hit the backs of opaque surfaces that are not double sided (docs/adr/0043-back-faces.md).
 #include <gtest/gtest.h>
 
 #include "rt/refraction/refraction_scene.h"
@@ -54,7 +54,7 @@ TEST(BackFaces, TheEyeLooksThroughThem) {
   }
 }
 
-// However many of them are in the way, and where one coincides with a front.
+// Also where many of them are in the way, and where one coincides with a front face.
 TEST(BackFaces, ThoughTheyAreMany) {
   TestScene scene;
   for (int i = 0; i < 300; ++i) scene.quad({0, 0, 2 - 0.01f * static_cast<float>(i)}, {-9, 0, 0}, {0, 9, 0},
@@ -64,7 +64,7 @@ TEST(BackFaces, ThoughTheyAreMany) {
   EXPECT_EQ(mean(trace(scene, ahead, 1)), green);
 }
 
-// Glass before them bends the ray; it stays one of the eye.
+// Glass in front of them refracts the ray, which still counts as a primary ray.
 TEST(BackFaces, TheEyeLooksThroughThemBehindGlass) {
   for (const float roughness : {0.0f, 0.3f}) {
     TestScene scene;

@@ -1,5 +1,5 @@
-// Glass neither makes light nor loses it: paths through clear glass in furnaces and in a closed box, and through slabs
-// in closed form, with caustics and without.
+// Tests that glass conserves energy: paths through clear glass in furnaces and in a closed box, and through slabs with
+// closed forms, with and without caustics.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -52,7 +52,7 @@ std::vector<Body> clear_bodies() {
            }}};
 }
 
-// The picture as a whole and in 9 parts, of which the middle one shows the glass and the outer ones what is beside it.
+// Expects the radiance in the whole picture and in 9 parts: the glass is in the middle one.
 void expect_furnace(const ReferenceImage& image, double radiance) {
   const uint32_t part = image.width / 3;
   for (uint32_t j = 0; j < 3; ++j)
@@ -66,14 +66,14 @@ void expect_furnace(const ReferenceImage& image, double radiance) {
   EXPECT_LT(mean.deviation, 0.004 * radiance);
 }
 
-// Between a ball and a floor that loses nothing paths stay long, and few of them make most of the noise there: as a whole.
+// Expects the mean of the whole picture: between a ball and a white floor a few long paths cause most of the noise.
 void expect_open_furnace(const ReferenceImage& image, double radiance) {
   const Mean mean = mean_of(image);
   EXPECT_NEAR(mean.value, radiance, 5 * mean.deviation + 3e-4 * radiance);
   EXPECT_LT(mean.deviation, 0.01 * radiance);
 }
 
-// Walls that shine alike: with glass in the room everything is still as bright, seen directly, through glass and in it.
+// In a room of equally emissive walls glass changes nothing, seen directly, through glass and in reflections.
 TEST(GlassEnergy, AClosedRoomThatShinesIsAFurnace) {
   constexpr double albedo = 0.5, radiance = 0.5;
   for (const Body& body : clear_bodies()) {
@@ -87,8 +87,8 @@ TEST(GlassEnergy, AClosedRoomThatShinesIsAFurnace) {
   }
 }
 
-// A white floor under a white sky: what glass takes from a place, it sends to others, which send it back. The sky is found
-// by what bends light in either case.
+// On a white floor under a white sky, light that glass takes from one place returns from others. Refracted paths find
+// the sky with and without caustics.
 TEST(GlassEnergy, AWhiteFloorIsAFurnace) {
   for (const Body& body : clear_bodies())
     for (const bool caustics : {false, true}) {
@@ -147,7 +147,7 @@ void add_floor_and_slab(TestScene& scene, double floor_albedo, const Slab& slab)
       .add_to(scene, solid_glass(static_cast<float>(slab.ior), glm::vec3(static_cast<float>(std::exp(-slab.absorption))), 1.0f));
 }
 
-// A uniform sky, and a ceiling that shines alike; light goes to and fro between floor and slab.
+// Under a uniform sky or an equally emissive ceiling, light is reflected between floor and slab.
 TEST(GlassEnergy, AFloorBelowASlab) {
   constexpr double albedo = 0.5;
   for (const Slab& slab : slabs) {
@@ -172,8 +172,8 @@ TEST(GlassEnergy, AFloorBelowASlab) {
   }
 }
 
-// A lamp as wide as 44 degrees over the slab: with caustics its light is bent, and every two turns inside move it aside;
-// without them it goes straight on.
+// A lamp of 44 degrees above the slab: with caustics its light is refracted, and every two internal reflections
+// displace it; without them it goes straight.
 TEST(GlassEnergy, AWideLampAboveASlab) {
   constexpr double albedo = 0.005;  // next to nothing goes to and fro
   constexpr double lamp_height = 4, radius = 1.5, intensity = 9, radiance = intensity / (M_PI * radius * radius);
@@ -209,8 +209,8 @@ TEST(GlassEnergy, AWideLampAboveASlab) {
   }
 }
 
-// What a lamp sends out, the walls of a closed box take in, whatever glass does with it in between; a wall of the albedo a
-// gets it 1 + a + a^2 + ... times.
+// The walls of a closed box absorb all light of a lamp, whatever glass does in between; walls of albedo a receive it 1
+// + a + a^2 + ... times.
 TEST(GlassEnergy, ABallInAClosedBoxLosesNothing) {
   constexpr double albedo = 0.3, intensity = 0.7;
   const auto flux_of_walls = [&](bool with_ball) {

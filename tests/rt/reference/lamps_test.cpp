@@ -1,5 +1,5 @@
-// How paths reach lamps and shining surfaces: sampled, straight through glass or by what bends their light, and by what
-// stands around them. Against sums over what shines.
+// Tests how paths find lamps and emissive surfaces: by sampling, straight through glass, by refraction, and by
+// reflection from nearby surfaces. Compares with sums over the emitters.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -58,13 +58,13 @@ double let_through(double cosine, double absorption, double thickness) {
 
 constexpr double absorption = 1.5;  // per unit
 
-// Fills a slab that takes 1 - exp(-absorption * way) of green light.
+// Adds a slab that absorbs 1 - exp(-absorption * way) of green light.
 void add_slab(TestScene& scene, float low, float thickness) {
   const auto left = static_cast<float>(std::exp(-absorption));
   Triangles::box({-50, low, -50}, {50, low + thickness, 50}).add_to(scene, solid_glass(1.5f, glm::vec3(left), 1.0f));
 }
 
-// The closed form of straight light through parallel walls: without a size, and of a small sphere.
+// Compares straight light through parallel walls, of a point and of a small sphere, with its closed form.
 TEST(Lamps, StraightLightThroughASlab) {
   constexpr float albedo = 0.02f;  // little comes back from the slab
   for (const float thickness : {0.05f, 0.2f, 0.8f})
@@ -88,7 +88,7 @@ TEST(Lamps, StraightLightThroughASlab) {
     }
 }
 
-// With caustics a disc under 5 degrees is found by what bends alone: of a plate, (1 - R) / (1 + R) of it.
+// With caustics a disc under 5 degrees is found only by refracted paths: a plate passes (1 - R) / (1 + R) of it.
 TEST(Lamps, CausticsAreFoundByWhatBends) {
   constexpr float albedo = 0.05f;
   TestScene scene;
@@ -137,7 +137,7 @@ TEST(Lamps, ShiningSurfacesBehindGlassAreFound) {
   EXPECT_LT(straight.deviation, 0.02 * expected);
 }
 
-// Translucent ones are sampled as well, for what they cover; so are those with a texture, and few among many.
+// Translucent emitters are sampled by their coverage; so are textured ones, and few among many.
 TEST(Lamps, TranslucentOnesAreSampled) {
   constexpr Square square{0.05, 0.8, 0.5};
   TestScene scene;
@@ -204,7 +204,7 @@ TEST(Lamps, DirectionsAroundLampsHaveTheirDensity) {
   EXPECT_NEAR(sum / (2 * 2 * M_PI * (1 - std::cos(0.5))), 1.0, 0.02);
 }
 
-// A small plate right above a lamp whose own light a lid keeps from the floor: all that arrives, the plate reflects.
+// A lid hides a lamp from the floor: only light reflected by a small plate right above the lamp arrives.
 TEST(Lamps, WhatStandsAroundThemIsFound) {
   constexpr double half = 0.04, height = 2, above = 0.05, aside = 0.6, intensity = 5, albedo = 0.5;
   TestScene scene;

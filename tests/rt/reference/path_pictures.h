@@ -1,4 +1,4 @@
-// Pictures by paths for tests: their mean and by how much it may be off, and rooms of diffuse walls.
+// Shared code for tests of path-traced pictures: their mean and its error, and rooms of diffuse walls.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ inline ReferenceImage trace_paths(const std::shared_ptr<const model::Snapshot>& 
   return image;
 }
 
-// The mean over pixels, and by how much it may be off: the halves of different pixels are independent.
+// Holds the mean over pixels and its standard error, from the independent halves of pixels.
 struct Mean {
   double value = 0, deviation = 0;
 };

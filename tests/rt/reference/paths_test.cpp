@@ -1,5 +1,5 @@
-// Pictures by paths of several bounces against closed forms, against a brute force of their own, and against those of one
-// bounce where they must agree.
+// Compares pictures by paths of several bounces with closed forms, with a brute-force computation, and with pictures of
+// one bounce where they must agree.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,14 +18,14 @@ ReferenceImage trace(const std::shared_ptr<const model::Snapshot>& snapshot, con
   return trace_paths(snapshot, {view}, options);
 }
 
-// `relative`: what rounding and the few surfaces that were left out of the closed form explain.
+// `relative` is the error from rounding, and from the few surfaces that the closed form leaves out.
 void expect_mean(const ReferenceImage& image, double expected, double relative = 1e-4) {
   const Mean mean = mean_of(image);
   EXPECT_NEAR(mean.value, expected, 5 * mean.deviation + relative * expected);
   EXPECT_LT(mean.deviation, 0.02 * expected);  // the test says something
 }
 
-// Every wall of a closed room sends out the same, whatever its shape: e (1 + a + a^2 + ...), as far as bounces go.
+// Every wall of a closed room of any shape has the radiance e (1 + a + a^2 + ...), up to the number of bounces.
 TEST(Paths, AClosedRoomIsASumOfBounces) {
   constexpr double albedo = 0.7, radiance = 0.5;
   TestScene scene;
@@ -103,8 +103,8 @@ TEST(Paths, AWhiteCornerIsAWhiteFurnace) {
   EXPECT_LT(two.value, 0.74);
 }
 
-// What a plate of one material shows of a white sky is its directional albedo: by how much lobes lose energy, or make it,
-// is told by an integral of the shading model over the hemisphere, which the paths have no part in.
+// Under a white sky a plate shows its directional albedo. Returns it as an integral of the shading model over the
+// hemisphere, without paths, which gives the energy that the lobes lose or gain.
 double directional_albedo(const SurfacePoint& point) {
   const model::Frame frame(point.surface.normal);
   constexpr int steps = 1024;
@@ -168,8 +168,8 @@ TEST(Paths, PanesInAFurnace) {
   }
 }
 
-// A body of glass hides nothing either: every path out of it ends in the sky. Of rough glass, what its facets keep by
-// scattering only once is lost at every surface.
+// A body of glass is invisible too: every path out of it ends in the sky. Rough glass loses multiple scattering at
+// every surface.
 TEST(Paths, ABoxOfGlassInAFurnace) {
   for (const auto& [roughness, dispersion] : {std::pair(0.0f, 0.0f), {0.4f, 0.0f}, {0.0f, 5.0f}}) {
     SCOPED_TRACE(testing::Message() << roughness << ' ' << dispersion);
@@ -187,8 +187,8 @@ TEST(Paths, ABoxOfGlassInAFurnace) {
   }
 }
 
-// A large sun through a pane of glass that is a body: the caustic of a plane-parallel plate is the sun's own light, less
-// what the plate reflects, (1 - R) / (1 + R) of it. Only paths find it.
+// A large sun through a solid pane: the caustic of a plane-parallel plate is the sun's light times its transmittance,
+// (1 - R) / (1 + R). Only paths find it.
 TEST(Paths, LightThroughASlabIsFoundByChance) {
   const float albedo = 0.05f;  // little comes back from the slab
   TestScene scene;
@@ -215,7 +215,7 @@ TEST(Paths, LightThroughASlabIsFoundByChance) {
   EXPECT_LT(through.deviation, 0.02 * through.value);
 }
 
-// Light without a size passes surfaces that bend straight on, for no path finds it; and what absorbs takes its share.
+// Light of point lights passes refracting surfaces straight, since no path would find it; absorption still applies.
 TEST(Paths, LightWithoutASizePassesWhatIsTranslucent) {
   const auto lit = [](const sideray_material_desc& material, bool solid) {
     TestScene scene;
@@ -401,7 +401,7 @@ TEST(Paths, ThreadsDoNotChangeTheBits) {
     for (int i = 0; i < 4; ++i) EXPECT_TRUE(std::isfinite(c[i]) && c[i] >= 0.0f);
 }
 
-// What is left after many bounces is nothing; that roulette takes nothing away is told by rooms and furnaces.
+// After many bounces no light is left. Rooms and furnaces test that Russian roulette is unbiased.
 TEST(Paths, ManyBouncesAreAllThereIs) {
   const auto snapshot = everything();
   const PathOptions many{.bounces = 64, .size = 12, .light_samples = 64}, other{.bounces = unlimited, .size = 12, .light_samples = 64, .seed = 2};
@@ -412,7 +412,7 @@ TEST(Paths, ManyBouncesAreAllThereIs) {
   EXPECT_LT(two.value, a.value);
 }
 
-// The same surfaces found layer by layer, each with paths of its own, before a sky that both see.
+// Layers with separate paths have the same surfaces, in front of the same sky.
 TEST(Paths, TheEyesAreThoseOfLayers) {
   const auto snapshot = everything(false);
   constexpr uint32_t size = 32;

@@ -1,5 +1,5 @@
-// What the reference makes of one surface: lobes against their densities, albedos against the table and a quadrature,
-// and furnaces, in which white surfaces cannot be seen.
+// Tests the reference on one surface: lobes against their densities, albedos against the table and a quadrature, and
+// furnaces, in which white surfaces are invisible.
 #include "rt/reference/reference_lobes.h"
 
 #include <gtest/gtest.h>
@@ -90,8 +90,8 @@ TEST(ReferenceLobes, SheenIsThatOfTheTable) {
     }
 }
 
-// White surfaces lose nothing, however rough they are: what a rough metal reflects more than once leaves it, too. The
-// bound is what the table's interpolation leaves.
+// White surfaces lose nothing at any roughness: multiple scattering of rough metals is included. The bound is the
+// table's interpolation error.
 TEST(ReferenceLobes, Furnace) {
   for (const float n_v : {0.1f, 0.5f, 1.0f}) {
     SurfacePoint diffuse = point_seen_at(n_v, 1.0f);

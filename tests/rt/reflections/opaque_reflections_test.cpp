@@ -1,4 +1,4 @@
-// What opaque surfaces mirror: a floor whose mirror images have closed forms.
+// Tests reflections of opaque surfaces: a floor whose mirror images have closed forms.
 #include "rt/reflections/reflection_tracing.h"
 
 #include <gtest/gtest.h>
@@ -231,8 +231,8 @@ void partly_bright(TestScene& scene, const Shines& shines) {
   scene.scene.set_environment(columns, rows, &texels[0].x, 1.0f, 0.0f);
 }
 
-// Bent normals send mirror directions below the floor, where the rasterizer looks the surroundings up all the same:
-// where rays hit nothing both show one thing.
+// Bump normals give mirror directions below the floor, where the rasterizer still looks up the environment: where rays
+// hit nothing both must agree.
 TEST(OpaqueReflections, RoughBumpsSeeTheSurroundingsOfTheRasterizer) {
   TestScene scene;
   scene.quad({0, 0, 0}, {50, 0, 0}, {0, 0, 50}, plain_material());
@@ -264,8 +264,8 @@ TEST(OpaqueReflections, RoughBumpsSeeTheSurroundingsOfTheRasterizer) {
   }
 }
 
-// A black wall hides all that shines. What a rough floor sees past its edges is dark: the share of directions that
-// pass it must not show what the whole lobe would see without it.
+// A black wall hides everything bright, and beyond its edges all is dark: the directions that pass the wall must not
+// show the average of the whole lobe without it.
 TEST(OpaqueReflections, RoughOnesDoNotSeeWhatIsHidden) {
   const auto light = [](bool wall) {
     TestScene scene;

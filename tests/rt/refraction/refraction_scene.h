@@ -1,5 +1,5 @@
-// Convex solids before a wall whose every tile shines differently, and where Snell's law sends a ray through them:
-// computed in double from planes alone.
+// Makes convex solids in front of a wall of differently emissive tiles, and computes paths through them by Snell's law,
+// in double from planes alone.
 #pragma once
 
 #include <cmath>

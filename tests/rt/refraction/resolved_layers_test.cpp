@@ -1,5 +1,5 @@
-// Layers of surfaces that bend light, against the composite of the same pixel along refracted rays: what a cache resolves
-// has to be what rays that know nothing of caches see.
+// Compares layers of refracting surfaces with the composite of the same pixel along refracted rays, which uses no
+// cache.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -136,7 +136,7 @@ TEST(ResolvedLayers, have_the_same_bits_for_any_number_of_threads) {
   }
 }
 
-// What is reused is the light of the surface itself; what is seen through it is every pixel's own.
+// Only the surface's own light is reused; the view through it is traced in every pixel.
 TEST(ResolvedLayers, reuse_rays_for_what_they_reflect_alone) {
   GlassScene scene;
   const auto snapshot = scene.commit();

@@ -1,5 +1,5 @@
-// Lights drawn by chance: on average they bring what all lights bring, by fewer rays the less the point counts, and what
-// is bright is not left to chance.
+// Tests randomly drawn lights: their mean is that of all lights, less important points take fewer rays, and bright
+// lights are always traced.
 #include <gmock/gmock.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Shading by the host: what its callback is told, and what becomes of what it says.
+// Tests shading by the host: the callback's inputs, and the use of its results.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -261,7 +261,7 @@ TEST(HostShader, says_what_surfaces_cover_and_let_through) {
   }
 }
 
-// Behind a surface that the host says hides everything nothing is asked for.
+// Surfaces behind one that the host declares opaque are not shaded.
 TEST(HostShader, hides_what_is_behind) {
   TestScene scene;
   for (int k = 0; k < 12; ++k)
@@ -275,7 +275,7 @@ TEST(HostShader, hides_what_is_behind) {
   EXPECT_LT(shader.points.size(), 12u * size * size);
 }
 
-// What bent rays see of the surroundings is brought into the host's space; what they hit is the host's.
+// The environment seen by refracted rays is converted to the host's space; the host shades their hits.
 TEST(HostShader, shades_what_bent_rays_see) {
   TestScene scene;
   sideray_material_desc volume = glass();

@@ -1,4 +1,4 @@
-// On which threads the host's shader runs: the same bits everywhere, and nothing that waits for ever.
+// Tests the threads of the host's shader: bits are the same, and nothing waits forever.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -100,7 +100,7 @@ TEST(HostShaderThreads, is_given_up_when_cancelled) {
   EXPECT_TRUE(shader.points.empty());
 }
 
-// The deadline keeps pieces from beginning. Those that have begun are finished, however long the host takes to come.
+// After the deadline no piece begins. Those begun are finished, however late the host calls.
 TEST(HostShaderThreads, finishes_what_has_begun_before_the_deadline) {
   Shader shader{shade_maze};
   InCalls calls;

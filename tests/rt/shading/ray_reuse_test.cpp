@@ -1,5 +1,5 @@
-// Which points are donors to which, and when points trace rays of their own, with a shader that makes up what rays find;
-// and that the shader of the built-in model makes of its own answers what its rays made.
+// Tests which points are donors, and when points trace their own rays, by a shader that invents the results of rays;
+// and that the built-in model's light from its own reused answers equals that from rays.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ namespace {
 using namespace test;
 using Pixel = RayReuse::Pixel;
 
-// Answers of each point what `found` says of its place, and counts the points that rays are traced for.
+// Returns `found` of each point's place, and counts the points for which rays are traced.
 class FoundShader final : public PointShader, public RaySharing {
  public:
   explicit FoundShader(std::function<RayAnswer(glm::vec3)> found) : found_(std::move(found)) {}
@@ -199,7 +199,7 @@ TEST(RayReuse, LightsAreReusedWhereMirrorsCannotBe) {
   for (const glm::vec3& c : unlit.radiance) EXPECT_EQ(c, glm::vec3(0.5f, 0.0f, 0.0f));
 }
 
-// No ray hit anything: each point sees the surroundings in its own direction, however much those differ.
+// If no ray hit anything each point sees the environment in its own direction, however much it varies.
 TEST(RayReuse, LeavesOwnSurroundingsToEach) {
   FoundShader shader([](glm::vec3 at) {
     return RayAnswer{.mirrored = 10.0f * at, .nearness = 0.0f, .has_mirror = true, .offered = {}, .arrived = {}};

@@ -1,5 +1,5 @@
-// Rough reflections: what many random numbers make of them on average, against quadrature over the microfacets; and
-// that smooth surfaces take no part in chance.
+// Compares the mean of rough reflections with quadrature over the microfacets, and tests that smooth surfaces use no
+// random numbers.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -133,8 +133,8 @@ TEST(RoughReflection, leaves_mirrors_alone) {
   }
 }
 
-// At the edge of the wall a lobe sees it by chance, unless it is both narrow and faint: then its middle stands for it,
-// the mirror direction, and the filter is told of nothing.
+// At the edge of the wall rays of a lobe hit it randomly, unless the lobe is narrow and faint: then the mirror
+// direction replaces it, and nothing is marked for the filter.
 TEST(RoughReflection, has_no_noise_where_narrow_and_faint) {
   const auto tells_rough = [](const HalfWall& scene, glm::vec3 to_eye) {
     HitShader shader;

@@ -20,8 +20,8 @@ struct SurfaceMet {
   sideray_surface_kind kind;
 };
 
-// What all hits of a ray are, in their order; `margin`: how near the ray came to an edge (in barycentric weights), or to
-// meeting two surfaces at one distance (as a share of it). Rounding may decide otherwise where it is small.
+// Holds all hits of a ray, in order. `margin` is the ray's distance to an edge (in barycentric weights), or between two
+// surfaces (as a share of their distance): rounding may change the result where it is small.
 struct SurfacesMet {
   std::vector<SurfaceMet> all;
   double margin = 1.0;

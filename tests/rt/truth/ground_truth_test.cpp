@@ -1,4 +1,4 @@
-// What pixels show with glass and behind it, against all triangles in double precision and Snell's law on planes.
+// Compares ground truth with and behind glass with all triangles in double precision, and with Snell's law on planes.
 #include "rt/truth/ground_truth.h"
 
 #include <gtest/gtest.h>

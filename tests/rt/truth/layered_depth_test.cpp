@@ -1,4 +1,5 @@
-// Layers of pixels, straight ones against all triangles in double precision, bent ones against the ends of the same paths.
+// Compares straight layers of pixels with all triangles in double precision, and refracted ones with the ends of the
+// same paths.
 #include "rt/truth/layered_depth.h"
 
 #include <gtest/gtest.h>

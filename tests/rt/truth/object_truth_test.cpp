@@ -1,4 +1,4 @@
-// Masks and fractions of objects against all triangles in double precision.
+// Compares masks and visible fractions of objects with all triangles in double precision.
 #include "rt/truth/object_truth.h"
 
 #include <gtest/gtest.h>
@@ -69,7 +69,7 @@ void expect_box(const ObjectMask& mask, const BruteCamera& camera) {
   EXPECT_EQ(mask.size, count == 0 ? glm::uvec2(0) : high - low + 1u);
 }
 
-// What all triangles say of one ray: of each object whether it is hit, and whether it is visible.
+// Holds, by all triangles, which objects a ray hits and which it shows.
 struct Expected {
   std::vector<bool> met, visible;
   double margin;
@@ -166,7 +166,7 @@ TEST(ObjectTruth, what_lies_on_another_surface_leaves_no_hole_in_it) {
   }
 }
 
-// More surfaces than are found in one round, at one place and one behind the other.
+// More surfaces than one round finds, at one distance and behind one another.
 TEST(ObjectTruth, no_surface_is_one_too_many) {
   for (const float step : {0.0f, 0.01f})
     for (const bool translucent : {false, true}) {
