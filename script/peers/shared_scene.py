@@ -118,7 +118,7 @@ def simplify(gltf):
 
 
 def set_thickness(gltf, thickness):
-    """Corrects the thickness of bodies whose file gives far too much, so that rasterizers draw them black."""
+    """Corrects thicknesses that are far too large in the file: rasterizers would draw these bodies black."""
     for material in gltf.get("materials", []):
         if material.get("name") in thickness:
             material["extensions"]["KHR_materials_volume"]["thicknessFactor"] = thickness[material["name"]]
