@@ -1,4 +1,4 @@
-// Chooses at run time among kernels that were compiled once for each instruction set. For the .cpp of kernels alone.
+// Chooses at run time among kernels that were compiled once for each instruction set. Only kernels' .cpp include it.
 #pragma once
 
 #include <string_view>

@@ -41,7 +41,7 @@ struct WorkTime {
 inline bool is_bounded(const WorkTime& time) {
   return has_deadline(time.deadline) || time.pieces;
 }
-// Returns whether no piece of it begins any more.
+// Returns whether no further piece of the work may begin.
 inline bool is_over(const WorkTime& time) {
   return time.least_pieces == 0 && time.least.count() == 0 && !time.pieces && has_passed(time.deadline);
 }

@@ -103,7 +103,7 @@ class LightPass {
 
   size_t texel_of(glm::uvec2 pixel) const { return size_t{pixel.y} * pixels_.width + pixel.x; }
 
-  // Fills a tile that shows nothing but uniform surroundings, which takes no rays; false where there is more.
+  // Fills a tile that shows uniform surroundings alone, without rays. Returns false if it shows anything else.
   bool fill_empty(const ViewTile& tile) const {
     const model::Environment& environment = *scene_.snapshot->environment;
     const auto is_empty = [&](glm::uvec2 p) { return pixels_.hits[texel_of(p)].instance == no_instance; };
@@ -113,7 +113,7 @@ class LightPass {
     return true;
   }
 
-  // Lists what shows a surface, and lets the rest show the sky.
+  // Lists the pixels that show a surface, and fills the others with the sky.
   void list(LightWorker& w) {
     w.places.clear();
     w.texels.clear();

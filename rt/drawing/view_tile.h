@@ -26,7 +26,7 @@ struct ViewTile {
     aim(view);
   }
 
-  // Refills the pixels alone.
+  // Lists the pixels of a tile, without rays and cones.
   void list(uint32_t width, uint32_t height, size_t tile) {
     constexpr uint32_t side = 4, blocks = size / side;
     const uint32_t x0 = static_cast<uint32_t>(tile % tiles_in(width)) * size;
@@ -39,7 +39,7 @@ struct ViewTile {
     }
   }
 
-  // Refills the rays and cones of the pixels that are listed.
+  // Computes the rays and cones of the listed pixels.
   void aim(const ViewRays& view) {
     const size_t blocks = (pixels.size() + ViewRays::Block::size - 1) / ViewRays::Block::size;
     rays.resize(blocks * ViewRays::Block::size);

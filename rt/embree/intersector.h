@@ -20,7 +20,7 @@ namespace sideray::rt {
 // tints_light: those with model::tints_light().
 enum class LayerSet { visible_in_layers, all_translucent, with_sprites, tints_light };
 
-// Says which opaque instances a ray hits. walls: of visible_in_reflection, those without holes.
+// Says which opaque instances a ray hits. walls: the ones visible in reflections that have no holes.
 enum class OpaqueSet { visible_in_reflection, casts_shadow, occludes_sky, walls, all };
 
 class Intersector {

@@ -160,7 +160,7 @@ class PacketGatherer {
     hits.insert(hits.end(), found.begin(), found.end());
   }
 
-  // Recomputes what was noted, sixteen at a time whatever their rays, and sorts it by ray.
+  // Recomputes the noted hits in blocks of sixteen, which may mix rays, and sorts them by ray.
   void sort() {
     uint32_t filled = 0;
     near_edges_ = 0;

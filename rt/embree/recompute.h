@@ -100,12 +100,12 @@ struct NamedTriangle {
 // as seen along the ray, if the hit is that close to an edge of its triangle; otherwise 0.
 double near_edge(const TraceTable& table, const Ray& ray, const Hit& hit);
 
-// Returns whether near_edge() is 0, by a bound that costs less, where the triangle's local corners and the plane's hit
-// are at hand; false where it does not know.
+// Returns true if a cheap bound shows that near_edge() is 0; false means unknown. Needs the triangle's local corners
+// and the hit on its plane.
 bool is_clear_of_edges(const TraceInstance& instance, const std::array<LocalPosition, 3>& corners, const Ray& ray,
                        const PlaneHit& plane);
 
-// A hit whose weights are all larger is far from edges, unless its triangle is hardly larger than rounding.
+// A hit whose barycentric weights are all larger is far from edges, unless its triangle is about as small as rounding.
 inline constexpr float edge_weight = 1.0f / 32;
 
 inline constexpr double beside_an_edge = 4.0;  // times near_edge(): an offset that is clear of the edge

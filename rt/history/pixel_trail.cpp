@@ -80,7 +80,8 @@ glm::ivec2 PixelTrail::search(glm::vec2 at, float depth) const {
 
 void PixelTrail::look_back(size_t tile) {
   const uint32_t columns = tile_count(width_);
-  const auto x = static_cast<uint32_t>(tile % columns) * frame_tile_size, y = static_cast<uint32_t>(tile / columns) * frame_tile_size;
+  const auto x = static_cast<uint32_t>(tile % columns) * frame_tile_size,
+             y = static_cast<uint32_t>(tile / columns) * frame_tile_size;
   const uint32_t across = std::min(frame_tile_size, width_ - x);
   glm::ivec2 least(INT32_MAX), most(-1);
   for (uint32_t row = y; row < std::min(y + frame_tile_size, height_); ++row) look_back(x, row, across, least, most);
@@ -88,7 +89,7 @@ void PixelTrail::look_back(size_t tile) {
   if (most.x >= 0) tiles_from_[tile] = {glm::uvec2(least) / frame_tile_size, glm::uvec2(most) / frame_tile_size};
 }
 
-// Finds pixels of a row of a tile, and between which places they were.
+// Finds where pixels of a tile's row were, and extends `least` and `most` by these places.
 void PixelTrail::look_back(uint32_t x, uint32_t y, uint32_t count, glm::ivec2& least, glm::ivec2& most) {
   const size_t first = size_t{y} * width_ + x;
   const float* depth = &depth_[first];

@@ -1,6 +1,6 @@
-// Finds where the opaque surface of each pixel was in the previous frame: the camera moves, and surfaces stand still.
-// The histories of masks, reflections and bounced light are reprojected by it, and those of one view share one. One object
-// a sequence. One thread begins a frame; any may read.
+// Finds where the opaque surface of each pixel was in the previous frame, assuming that only the camera moves. The
+// histories of masks, reflections and bounced light are reprojected by it; the histories of a view share one trail. One
+// object per sequence. One thread begins a frame; any thread may read.
 #pragma once
 
 #include <cstdint>
@@ -19,12 +19,12 @@ class PixelTrail {
  public:
   static constexpr uint32_t nowhere = UINT32_MAX;
 
-  // Begins a frame of the sequence. `origin`: of the local space of its view. `follows`: the frame before may be looked back to,
-  // if it had the same size. `frame`: its number, or 0; who shares the trail may begin the same frame again. `depths`: those of
-  // depths(), where they are known. Throws Failure where the view is none.
+  // Begins a frame of the sequence. `origin`: of the view's local space. `follows`: the previous frame may be looked
+  // back to, if it has the same size. `frame`: its number, or 0; histories that share the trail may each begin the
+  // frame. `depths`: what depths() will return, if it is known. Throws Failure if the view is invalid.
   void begin(const TraceView& view, const DepthImage& depth, glm::uvec2 size, glm::dvec3 origin, bool follows,
              Executor& executor, uint64_t frame = 0, std::span<const float> depths = {});
-  // Counts frames. What was known in one can be looked back to from the next.
+  // Returns the number of frames begun; follows() tells whether the history of such a frame reaches this one.
   uint64_t step() const { return step_; }
   bool follows(uint64_t step) const { return before_ && step + 1 == step_; }
   // Returns whether the view equals the previous one, to a thousandth of a pixel.
@@ -33,10 +33,10 @@ class PixelTrail {
   // Returns the frame's depths along the camera's axis, as fill_depths() does.
   const std::vector<float>& depths() const { return depth_; }
 
-  // Returns where the pixels of a row were from (x, y) on, as y * width + x, or nowhere. In a view at rest a pixel was where it
-  // is, or showed another surface.
+  // Returns where the pixels of a row, from (x, y) on, were in the previous frame: y * width + x, or nowhere. In a view
+  // at rest that is the pixel itself, or nowhere if it showed another surface.
   const uint32_t* from(uint32_t x, uint32_t y) const { return &from_[size_t{y} * width_ + x]; }
-  // The tiles between which the pixels of a tile were; the first is behind the last where they were nowhere.
+  // Bounds the tiles in which a tile's pixels were. `first` lies behind `last` if all were nowhere.
   struct Tiles {
     glm::uvec2 first, last;
   };
@@ -55,7 +55,7 @@ class PixelTrail {
 
   uint32_t width_ = 0, height_ = 0;
   uint64_t frame_ = 0, step_ = 0;
-  uint32_t number_ = 0;  // of the frame since the last one that followed none
+  uint32_t number_ = 0;  // frames since the last one without a previous frame
   bool same_view_ = false;
   glm::dvec3 origin_{0.0};
   std::optional<FrameCamera> camera_, before_;
@@ -66,7 +66,7 @@ class PixelTrail {
   glm::vec2 rounding_{0.5f};  // of reprojected positions; it varies, so that slow movement is not lost
 };
 
-// The frame of a view whose histories share a trail, and its number there; without one, a history has its own.
+// Names a frame of the trail that a view's histories share. Without a trail a history uses its own.
 struct ViewFrame {
   PixelTrail* trail = nullptr;
   uint64_t number = 0;

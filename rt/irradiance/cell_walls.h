@@ -1,6 +1,7 @@
-// Finds out where something stands between two cells that show one plane, such as a wall on a floor: its two sides share no
-// light, however thin it is. Rays from cell to cell tell, and are sent only where paths have met something nearer than the
-// cells are apart. Leaves and grates, which are cut out, count as open: their rays cost most. Keeps its memory from frame to frame.
+// Finds walls between cells that show one plane, such as a wall on a floor: cells on its two sides share no light,
+// however thin it is. Tests rays from cell to cell, but only where paths hit something nearer than the cells are to
+// each other. Leaves and grates with cut-outs count as open, because their rays cost most. Keeps its memory between
+// frames.
 #pragma once
 
 #include <cstdint>

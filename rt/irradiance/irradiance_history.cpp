@@ -36,7 +36,8 @@ void IrradianceHistory::begin(const IrradianceRequest& r, TracedScene& scene) {
   const bool was_in_parts = std::exchange(in_parts_, is_bounded(r.work) && r.position_frames == 0);
   if (in_parts_) {
     shown_ = r.frame.trail ? r.frame.trail : &own_trail_;
-    shown_->begin(r.view, r.depth, {width_, height_}, origin_, r.sequence != SequenceStep::first, scene.executor(), r.frame.number);
+    shown_->begin(r.view, r.depth, {width_, height_}, origin_, r.sequence != SequenceStep::first, scene.executor(),
+                  r.frame.number);
     carries_image_ = shown_->follows(std::exchange(step_, shown_->step())) && was_in_parts && follows_;
   } else {
     begin_cells(r, scene.executor());
@@ -145,7 +146,7 @@ TileRows IrradianceHistory::next_rows(const WorkTime& work) const {
   return chosen;
 }
 
-// Takes for a cell what is known of the surface that one of its pixels shows; false where that is nothing.
+// Gives a cell the history of the surface that one of its pixels shows. Returns false if there is none.
 bool IrradianceHistory::carry(glm::uvec2 pixel) {
   const uint32_t from = *trail_.from(pixel.x, pixel.y);
   if (from == PixelTrail::nowhere) return false;
@@ -169,7 +170,8 @@ void IrradianceHistory::carry_cells(const IrradianceRequest& r, Executor& execut
     const uint32_t y = static_cast<uint32_t>(row) * cell_side, above = std::min(y + 1, height_ - 1);
     for (uint32_t column = 0; column < after_.columns; ++column) {
       const uint32_t x = column * cell_side, beside = std::min(x + 1, width_ - 1);
-      if (cells_follow_ && (carry({x, y}) || carry({beside, y}) || carry({x, above}) || carry({beside, above}))) continue;
+      if (cells_follow_ && (carry({x, y}) || carry({beside, y}) || carry({x, above}) || carry({beside, above})))
+        continue;
       after_.places[row * after_.columns + column] = {};
       after_.lights[row * after_.columns + column] = {};
     }
@@ -183,7 +185,8 @@ void IrradianceHistory::begin_image(IrradianceImage& image) {
 }
 
 void IrradianceHistory::carry_tile(uint32_t tile, IrradianceImage& image, Counters& counters) const {
-  const uint32_t columns = tile_count(width_), x0 = tile % columns * frame_tile_size, y0 = tile / columns * frame_tile_size;
+  const uint32_t columns = tile_count(width_), x0 = tile % columns * frame_tile_size,
+                 y0 = tile / columns * frame_tile_size;
   const uint32_t across = std::min(frame_tile_size, width_ - x0);
   for (uint32_t y = y0; y < std::min(y0 + frame_tile_size, height_); ++y) {
     const uint32_t* from = shown_->from(x0, y);

@@ -1,7 +1,7 @@
-// Adds up the samples of a sequence's frames: a cell goes on with the mean that its surface had in the frame before, wherever
-// the camera has gone. Under a budget a frame finds the places of some rows of tiles anew, and carries the others along; one
-// without time for that leaves the cells where they were, and carries the image alone. One object a sequence. One thread begins
-// and ends a frame; any may look back.
+// Accumulates the samples of a sequence's frames: a cell goes on with the mean of its surface, wherever the camera
+// moves. Under a budget a frame finds new places for the cells of the rows of tiles that it traces, and reprojects the
+// other cells. A frame without time for a row leaves the cells alone and reprojects only the image. One object per
+// sequence. One thread begins and ends a frame; any thread may look back.
 #pragma once
 
 #include <cstdint>
@@ -41,9 +41,9 @@ class IrradianceHistory {
   // Return the frame's cells, to be filled, and the walls of the previous frame until the filter updates them.
   IrradianceCells& cells() { return after_; }
   CellWalls& walls() { return walls_; }
-  // As fill_depths() finds them.
+  // Returns the frame's depths, as fill_depths() does.
   std::span<const float> depths() const { return trail().depths(); }
-  // Memory of a thread that looks back.
+  // Scratch memory of a thread that calls look_back().
   struct Scratch {
     std::vector<Ray> rays;
     std::vector<uint32_t> cells;
@@ -54,19 +54,19 @@ class IrradianceHistory {
   void look_back(size_t tile, const std::vector<glm::u16vec2>& pixels, const Intersector& intersector, Scratch& scratch,
                  IrradianceCells& cells) const;
 
-  // Returns the rows of tiles whose turn it is, next to each other: those that waited longest, from the middle of the picture
-  // outward, and as many as there is time for, which may be none.
+  // Returns adjacent rows of tiles to trace, as many as there is time for, which may be none: the least recently traced
+  // row, in a new history the middle one, and its neighbours.
   TileRows next_rows(const WorkTime& work) const;
-  // How many rows there is time for, at least one where one is to be traced in any case.
+  // Returns how many rows there is time for; at least one unless is_over(work).
   uint32_t rows_in(const WorkTime& work) const;
   // Notes how long rows took.
   void took(double ms, uint32_t rows);
-  // Puts the cells into this frame: fills them with what is known of the surface that they show, places included.
+  // Reprojects the cells into this frame: each gets the place and light of the surface that it shows.
   void carry_cells(const IrradianceRequest& request, Executor& executor);
-  // Fills tiles of the image with the last one's, where their surface was in that. Counts their pixels.
+  // Reproject the previous image: carry_tile(), after begin_image(), fills a tile and counts its pixels.
   void begin_image(IrradianceImage& image);
   void carry_tile(uint32_t tile, IrradianceImage& image, Counters& counters) const;
-  // Rows of tiles of a position of a still view that are filtered, of those that are traced.
+  // Counts the rows of tiles that are filtered, once all tiles of a still view's position are traced.
   uint32_t filtered_rows = 0;
 
   // Ends a settled frame: the history stays unchanged.
@@ -82,10 +82,10 @@ class IrradianceHistory {
   static constexpr uint32_t most_samples = 32;  // further samples change little
 
   bool settled_ = false, known_ = false, follows_ = false;
-  bool in_parts_ = false;     // the image is carried, the cells only where rows are traced
+  bool in_parts_ = false;     // the image is reprojected; so are the cells if rows are traced
   bool cells_known_ = false, cells_begun_ = false, cells_follow_ = false;
   bool changed_ = false;      // something may have moved since the cells' frame
-  float counted_ = 0.0f;      // samples that are counted at most
+  float counted_ = 0.0f;      // a cell's history counts as at most so many samples
   bool stands_still_ = false;
   std::vector<uint8_t> turns_at_rest_;  // by tile: frames that traced it since something moved
   double row_ms_ = 0.0;  // time of a row of tiles; 0: not known yet
@@ -93,17 +93,17 @@ class IrradianceHistory {
   uint32_t width_ = 0, height_ = 0, number_ = 0;
   bool shadows_ = false;
   std::shared_ptr<const model::Snapshot> committed_;
-  PixelTrail trail_, own_trail_;    // of the cells; and of the image, where frames are traced in parts
+  PixelTrail trail_, own_trail_;    // for the cells; for the image of frames that are traced in parts
   PixelTrail* shown_ = &own_trail_;
   uint64_t step_ = 0;               // of shown_ in the last frame
   bool carries_image_ = false;
   bool again_ = false;
   glm::dvec3 origin_{0.0};    // of the local space of the frame
-  glm::dvec3 cells_origin_{0.0};  // of after_'s
-  glm::vec3 moved_{0.0f};     // that of before_, less this frame's
-  IrradianceCells before_, after_;  // what is known before the frame, and after it
+  glm::dvec3 cells_origin_{0.0};  // the same for after_
+  glm::vec3 moved_{0.0f};     // origin of before_ minus that of after_
+  IrradianceCells before_, after_;  // before this frame, and after it
   CellWalls walls_;
-  std::vector<uint16_t> light_then_;  // the image of the frame before
+  std::vector<uint16_t> light_then_;  // the previous frame's image
   std::vector<uint32_t> turns_;
 };
 

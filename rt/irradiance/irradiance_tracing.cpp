@@ -268,7 +268,7 @@ TraceEnd IrradianceTracing::trace_tile(const Frame& f, Worker& w, uint32_t tile)
   return TraceEnd::complete;
 }
 
-// Counts the pixels of a tile that had no turn: their cells may have samples of earlier frames.
+// Counts the pixels of a skipped tile, whose cells may have samples of earlier frames.
 void IrradianceTracing::count_left(const Frame& f, Worker& w, uint32_t tile) {
   const uint32_t x0 = tile % f.columns * tile_size, y0 = tile / f.columns * tile_size, width = f.request.width;
   for (uint32_t y = y0; y < std::min(y0 + tile_size, f.request.height); ++y)
@@ -302,7 +302,8 @@ void IrradianceTracing::trace_all(const Frame& f, const std::vector<uint8_t>& tr
       });
 }
 
-// Traces and filters the rows of tiles whose turn it is: the filter needs what is beside. All others show what they showed.
+// Traces and filters adjacent rows of tiles, because the filter needs neighbours. The other rows show the reprojected
+// image.
 TileRows IrradianceTracing::trace_rows(const Frame& f, Executor& executor, IrradianceImage& image) {
   const IrradianceRequest& r = f.request;
   const uint32_t rows = tile_count(r.height);
@@ -321,8 +322,9 @@ TileRows IrradianceTracing::trace_rows(const Frame& f, Executor& executor, Irrad
   std::vector<uint32_t> order(size_t{chosen.end - chosen.first} * f.columns);
   std::iota(order.begin(), order.end(), chosen.first * f.columns);
   order_by_turns(f.history->turns(), order);
-  // What has no time for a row traces half of it.
-  const WorkTime work{.deadline = r.work.deadline, .least_pieces = r.work.pieces ? 0 : (f.columns + 1) / 2, .pieces = r.work.pieces};
+  // Traces at least half a row, even if the time is too short for that.
+  const WorkTime work{
+      .deadline = r.work.deadline, .least_pieces = r.work.pieces ? 0 : (f.columns + 1) / 2, .pieces = r.work.pieces};
   for_light_tiles(
       r, work, executor, order, {}, [&](uint32_t tile, uint32_t thread) { prepare(f, workers_[thread], tile); },
       [&](uint32_t tile, uint32_t thread) { trace_tile(f, workers_[thread], tile); },

@@ -33,7 +33,7 @@ std::vector<uint32_t> cut(const std::vector<PixelRequest>& pixels, size_t most, 
   return starts;
 }
 
-// Calls work(first chunk, end, thread) for parts of them: what is done for a chunk without tracing it costs less than a call.
+// Calls work(first chunk, end, thread) for ranges of chunks, since work that traces nothing costs less than a call.
 template <typename Work>
 void for_parts(size_t chunks, Executor& executor, const Work& work) {
   constexpr size_t chunks_in_part = 64;
@@ -50,7 +50,8 @@ void FrameChunks::gather(const LayerRequest& request, const PixelSelection& sele
   first_parts_ = 1;
   const bool bounded = is_bounded(request.work);
   starts_ = cut(frame_.pixels, bounded ? pixels_in_late_chunk : pixels_in_chunk(frame_.pixels.size()), bounded);
-  if (bounded && !is_over(request.work)) order_ = order_of_importance(frame_.pixels, starts_, request.width, request.height);
+  if (bounded && !is_over(request.work))
+    order_ = order_of_importance(frame_.pixels, starts_, request.width, request.height);
 }
 
 void FrameChunks::take_turns(const LayerRequest& request, const LastTurn& last_turn, Executor& executor) {

@@ -35,9 +35,9 @@ class FrameChunks {
   using Trace = std::function<TraceEnd(size_t chunk, std::span<const PixelRequest> pixels, uint32_t thread)>;
   // Returns how many pixels of a skipped chunk have no answer.
   using Leave = std::function<uint64_t(std::span<const PixelRequest> pixels, uint32_t thread)>;
-  // Calls `trace` for the chunks, under a deadline in their order, until the request is cancelled or late, and then `leave`,
-  // which may be empty: then none of its pixels has an answer. Without time for a single one `trace` may be empty. Returns whether the frame was cancelled, otherwise complete;
-  // counts pixels_late.
+  // Calls `trace` for the chunks, under a deadline in their order, until the request is cancelled or late, and `leave`
+  // for chunks that are not completed. An empty `leave` leaves all their pixels without an answer. `trace` may be empty
+  // if is_over(). Returns whether the frame was cancelled, otherwise complete; counts pixels_late.
   TraceEnd run(const LayerRequest& request, Executor& executor, const Trace& trace, const Leave& leave,
                Counters& counters) const;
 

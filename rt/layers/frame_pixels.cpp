@@ -203,7 +203,7 @@ PixelSelection selection_of(const CacheRequest& request) {
 void gather_pixels(const LayerRequest& request, const PixelSelection& selection, Executor& executor,
                    FramePixels& frame) {
   check(request, selection);
-  // Rows in parts: most of what is translucent may lie in few of them.
+  // Splits rows into parts, because most translucent surfaces may lie in few rows.
   constexpr uint32_t parts = 4;
   const uint32_t columns = tile_count(request.width), rows = tile_count(request.height);
   frame.tiles.assign(size_t{columns} * rows, 0);

@@ -18,17 +18,18 @@ constexpr size_t few_cells = 4;
 constexpr int most_coarser = 10, least_level = -200;
 constexpr uint32_t path_purpose = 72;
 constexpr float blur_of_sky = 0.25f;  // roughness of the lobe that a direction's light is averaged over
-constexpr int facing_steps = 2;         // of a normal's coordinates, from 0 to 1
+constexpr int facing_steps = 2;         // steps of a normal's coordinate from 0 to 1
 constexpr float least_likeness = 0.8f;  // cosine between normals of surfaces that may be lit alike
 constexpr float off_plane = 4.0f;       // counts as so much farther away
 
-// The name of a cell holds which way it faces, and its place in cells, by so many bits a coordinate.
+// A cell's name holds its orientation and its position, with so many bits a coordinate.
 constexpr int place_bits = 18;
 constexpr uint32_t place_mask = (1u << place_bits) - 1u;
 
 int level_of(const PointAround& p) {
-  // What is far off has fewer digits.
-  const float side = std::max({p.width * cell_width, largest(glm::abs(p.origin)) * std::ldexp(2.0f, -place_bits), 0x1p-100f});
+  // Cells far from the origin are larger, so that place_bits suffice.
+  const float side =
+      std::max({p.width * cell_width, largest(glm::abs(p.origin)) * std::ldexp(2.0f, -place_bits), 0x1p-100f});
   int level = 0;
   std::frexp(side, &level);
   return level;
@@ -43,7 +44,7 @@ uint64_t cell_of(const PointAround& p, int level) {
   return name;
 }
 
-// Returns the cell of twice the side that the cell lies in.
+// Returns the cell of twice the side that contains this one.
 uint64_t coarser_cell(uint64_t cell) {
   constexpr int above_place = 32 - place_bits;
   uint64_t name = cell >> 3 * place_bits << 3 * place_bits;
@@ -90,7 +91,7 @@ void LightAround::gather(const SurfaceBatch& batch, bool matt) {
     if (!matt || batch.is_matt(i)) points_.push_back({batch.point_around(i), i, 0});
 }
 
-// Brings the points of each cell together, cells of one size for all: the smallest of which there are few enough.
+// Sorts the points by cells of one size, which is doubled until there are at most `most_cells`.
 void LightAround::sort_into_cells(size_t most_cells) {
   int level = least_level;
   for (const Point& p : points_) level = std::max(level, level_of(p.around));
@@ -106,7 +107,7 @@ void LightAround::sort_into_cells(size_t most_cells) {
   std::ranges::sort(in_cells_);
 }
 
-// A point of each cell sends a path, or more where they weigh much: so nothing that lies apart goes without.
+// Chooses one point of each cell to send a path, or more if they weigh much, so that isolated points have a path, too.
 void LightAround::choose_senders() {
   float weights = 0.0f;
   for (const Point& p : points_) weights += p.around.weight;
@@ -120,8 +121,9 @@ void LightAround::choose_senders() {
 }
 
 void LightAround::choose_senders(std::span<const InCell> points) {
-  const float weights = std::accumulate(points.begin(), points.end(), 0.0f,
-                                        [&](float sum, const InCell& p) { return sum + points_[p.point].around.weight; });
+  const float weights = std::accumulate(points.begin(), points.end(), 0.0f, [&](float sum, const InCell& p) {
+    return sum + points_[p.point].around.weight;
+  });
   const size_t count = points.size(), sent = std::clamp<size_t>(static_cast<size_t>(weights / points_a_path), 1, count);
   for (size_t i = 0; i < count; ++i)
     points_[points[i].point].record = static_cast<uint32_t>(records_.size() + i * sent / count);

@@ -1,8 +1,8 @@
-// Finds what arrives at a batch of points from around them where light bounces: the light of other surfaces, and the share of
-// the sky that is open. Few of the points send a path each (rt/light/diffuse_paths.h); all take the mean of what the paths of
-// points near them found, no farther than light may be taken for equal: in proportion to the harmonic mean of the distances of
-// what throws it (Ward et al. 1988, "A Ray Tracing Solution for Diffuse Interreflection"). Points that weigh little in their
-// pixels send fewer. Holds scratch memory: one object per thread.
+// Finds the indirect light that arrives at a batch of points: the light of other surfaces, and the open share of the
+// sky. Few of the points send a path each (rt/light/diffuse_paths.h); all take the mean of what the paths of points
+// near them found. A path counts within a reach that is proportional to the harmonic mean of the distances to the
+// surfaces that reflect the light (Ward et al. 1988, "A Ray Tracing Solution for Diffuse Interreflection"). Points that
+// weigh little in their pixels send fewer. Holds scratch memory: one object per thread.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +38,7 @@ class LightAround {
   // A cell is a cube of space and part of the directions that surfaces face.
   struct InCell {
     uint64_t cell;
-    uint32_t point;  // of points_
+    uint32_t point;  // index in points_
     auto operator<=>(const InCell&) const = default;
   };
   // What a path found.
@@ -46,8 +46,8 @@ class LightAround {
     glm::vec3 position, normal;
     float width = 0.0f;     // of a pixel there
     float nearness = 0.0f;  // 1 / distance of what the path hit
-    float reach = 0.0f;     // as far as what it found is taken for equal
-    // What it brought; the sky's light in its direction, and that where nothing is in the way.
+    float reach = 0.0f;     // distance within which its light counts as equal
+    // Light that the path brought; the sky's light in its direction, and the part of it that arrives.
     glm::vec3 thrown{0.0f}, sky{0.0f}, seen_sky{0.0f};
   };
   void gather(const SurfaceBatch& batch, bool matt);
@@ -67,8 +67,8 @@ class LightAround {
   DiffusePaths paths_;
   Veils veils_;
   std::vector<Point> points_;
-  std::vector<InCell> in_cells_;  // points_, those of a cell one behind the other
-  std::vector<uint64_t> cells_;   // those of in_cells_, each once
+  std::vector<InCell> in_cells_;  // points_, sorted by cell
+  std::vector<uint64_t> cells_;   // the distinct cells of in_cells_
   std::vector<Record> records_;
   std::vector<Ray> rays_, clear_;      // clear_: those without an opaque hit
   std::vector<uint32_t> of_clear_;

@@ -144,7 +144,7 @@ std::vector<uint8_t> tint_seen(const OcclusionMasks& masks, uint32_t place) {
   return seen;
 }
 
-// One of the eight pixels around those of a row from `first` to before `past`, which have it.
+// Names one of the eight neighbours. The pixels of a row from `first` to before `past` have it.
 struct Neighbour {
   uint8_t bit;
   ptrdiff_t offset;
@@ -173,7 +173,7 @@ SIDERAY_VECTORS void mark_same_surface(const float* depths, Neighbour neighbour,
     same[x] |= std::abs(others[x] - depths[x]) <= same_share * depths[x] ? bit : uint8_t{0};
 }
 
-// Says by its bits which of the pixels around each lie on its surface; none where fewer than six do.
+// Returns for each pixel a bit for each neighbour on the same surface; no bits if fewer than six are.
 std::vector<uint8_t> find_same_surface(Executor& executor, const FilterFrame& frame) {
   constexpr int fewest = 6;
   std::vector<uint8_t> same(size_t{frame.width} * frame.height, 0);
@@ -186,7 +186,7 @@ std::vector<uint8_t> find_same_surface(Executor& executor, const FilterFrame& fr
   return same;
 }
 
-// The three smallest and the three largest tints around each pixel of a row, the outermost first.
+// Holds the three smallest and the three largest tints around each pixel of a row, the outermost first.
 struct OuterTints {
   std::array<std::vector<uint8_t>, 3> low, high;
 
@@ -200,7 +200,8 @@ struct OuterTints {
   }
 };
 
-// Without branches, on copies of what bytes might alias, so that it becomes vectors.
+// Adds one neighbour of each pixel of a row. It has no branches and copies what bytes might alias, so that it becomes
+// vector code.
 SIDERAY_VECTORS void take_neighbour(const uint8_t* tints, const uint8_t* same, Neighbour neighbour,
                                     OuterTints& outer) {
   constexpr auto less = [](uint8_t a, uint8_t b) { return a < b ? a : b; };
@@ -238,9 +239,9 @@ struct Calmed {
   uint8_t tint;
 };
 
-// Finds what single pixels that stand out become beside those around, in one plane and row of tiles: their tint is clamped
-// to the third smallest and the third largest around them. The filter is as narrow as the nearest glass says: behind a
-// drinking glass it leaves what rays make of the bulb about their lamp, which some of them miss.
+// Finds new tints for single pixels that stand out, in one plane and row of tiles: they are clamped to the third
+// smallest and the third largest tint around them. The filter leaves such pixels where glass is near, because it is
+// narrow there: some rays through a drinking glass miss the bulb around their lamp.
 std::vector<Calmed> calm_row(std::span<const uint8_t> tints, const FilterFrame& frame, std::span<const uint8_t> same,
                              std::span<const uint8_t> tinted, uint32_t row) {
   constexpr uint32_t side = OcclusionMasks::tint_tile;

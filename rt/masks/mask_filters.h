@@ -40,7 +40,7 @@ class FilterFrames {
   // Fills `frame` for the next view; returns false for an orthographic view, which cannot be filtered. `follows`: there
   // is an earlier frame.
   bool next(Executor& executor, const MaskRequest& request, const model::Snapshot& snapshot, FilterFrame& frame);
-  // A frame is not filtered: the next one follows none.
+  // Notes that a frame is not filtered, so that the next one follows none.
   void skip() {
     camera_.reset();
     ++number_;

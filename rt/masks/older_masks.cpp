@@ -180,7 +180,8 @@ void OlderMasks::begin(const MaskRequest& r, TracedScene& scene, const Occlusion
   const model::Snapshot& snapshot = *scene.shading().snapshot;
   complete_ = false;
   trail_ = r.frame.trail ? r.frame.trail : &own_trail_;
-  trail_->begin(r.view, r.depth, {r.width, r.height}, snapshot.origin, r.sequence != SequenceStep::first, scene.executor(), r.frame.number);
+  trail_->begin(r.view, r.depth, {r.width, r.height}, snapshot.origin, r.sequence != SequenceStep::first,
+                scene.executor(), r.frame.number);
   const bool goes_on = trail_->follows(std::exchange(step_, trail_->step())) && follows(r, snapshot);
   if (!goes_on) {
     forget();
@@ -200,7 +201,7 @@ void OlderMasks::begin(const MaskRequest& r, TracedScene& scene, const Occlusion
   for (const Part part : {of_lights, of_sky})
     parts_[part].shades[now_].resize(planes_of(r, part, masks) * tiles_of(r), all_lit);
   if (!goes_on) return;
-  // Reused masks are not traced; they stay as they are as long as nothing moves.
+  // In a view at rest the masks stay in place, even those that the frame does not trace.
   if (trail_->same_view()) known_ = moves_;
   if (trail_->same_view()) return;
   now_ = 1 - now_;
@@ -302,7 +303,7 @@ bool OlderMasks::most_are_new() const {
   });
 }
 
-// Finds how old the masks of a tile's pixels are.
+// Finds the ages of a tile's masks.
 void OlderMasks::look_back(Part part, size_t tile, Ages& found) const {
   const TilePixels t(request_, tile);
   const Kept& p = parts_[part];
@@ -323,7 +324,7 @@ void OlderMasks::look_back(Part part, size_t tile, Ages& found) const {
   found.none_known = known == 0;
 }
 
-// Returns a plane's values in the previous frame at the reprojected places of a tile's pixels.
+// Returns what a plane of the previous frame holds at the reprojected places of a tile's pixels.
 OlderMasks::Shade OlderMasks::shade_there(Part part, uint32_t plane, size_t tile, const Ages& found) const {
   if (found.none_known) return all_lit;
   const std::vector<Shade>& shades = parts_[part].shades[1 - now_];
@@ -336,7 +337,7 @@ OlderMasks::Shade OlderMasks::shade_there(Part part, uint32_t plane, size_t tile
   return first == all_dark && !found.all_known ? mixed : first;
 }
 
-// Whether all tiles in which a tile's pixels were were mixed.
+// Returns whether a plane was mixed in each tile from which a tile's pixels are reprojected.
 bool OlderMasks::were_mixed(Part part, uint32_t plane, size_t tile) const {
   const std::vector<Shade>& shades = parts_[part].shades[1 - now_];
   const size_t columns = tile_count(request_.width), tiles = tiles_of(request_);
@@ -347,7 +348,7 @@ bool OlderMasks::were_mixed(Part part, uint32_t plane, size_t tile) const {
   return true;
 }
 
-// Writes the history of a tile, unless it is in its place already.
+// Writes a tile's history into the masks, unless it is there already.
 void OlderMasks::show(const MaskRequest& r, Part part, size_t tile, const Ages& found, OcclusionMasks& masks) {
   const bool same_view = trail_->same_view();
   if (same_view && found.all_known) return;
@@ -362,7 +363,7 @@ void OlderMasks::show(const MaskRequest& r, Part part, size_t tile, const Ages& 
     const Shade before = std::exchange(shade, there);
     if (there != mixed && there == before) return;
     const bool all_mixed = !same_view && there == mixed && were_mixed(part, plane, tile);
-    // Of tiles around that are all of one kind, `then` holds nothing.
+    // `then` holds mixed tiles only; the others are all of one kind.
     const auto texel_there = [&](uint32_t from) {
       if (all_mixed) return p.then[plane * pixels + from];
       const Shade kind = p.shades[1 - now_][plane * tiles + from / r.width / tile_side * columns + from % r.width / tile_side];
@@ -391,7 +392,7 @@ void OlderMasks::show(const MaskRequest& r, Part part, size_t tile, const Ages& 
   });
 }
 
-// Pixels without a mask of the sky take what samples say, and it becomes theirs.
+// Fills pixels without a sky mask from the samples, which become their history.
 void OlderMasks::take_samples(const MaskRequest& r, size_t tile, Ages& found, OcclusionMasks& masks) {
   lacks_sky_[tile] = 0;
   if (found.all_known) return;

@@ -31,7 +31,7 @@ class OlderMasks {
   // Begins a frame with a request under a deadline. A frame that does not continue the sequence resets the history, and
   // so do other lights, options or sizes. `masks` must be those of the previous frame.
   void begin(const MaskRequest& request, TracedScene& scene, const OcclusionMasks& masks);
-  // Returns the depths along the camera's axis of the frame that has begun, as fill_depths() does.
+  // Returns the current frame's depths along the camera's axis, as fill_depths() does.
   const std::vector<float>& depths() const { return trail_->depths(); }
   // Resets the history.
   void forget() {
@@ -82,7 +82,7 @@ class OlderMasks {
     std::vector<uint8_t> unfiltered;  // by tile: its masks are not filtered yet
     bool ended = false;
   };
-  // Pixels of a tile, row by row: the age of their history.
+  // Holds the ages of the history of a tile's pixels, row by row.
   struct Ages {
     std::array<std::array<uint8_t, frame_tile_size>, frame_tile_size> of;
     bool all_known, none_known;
@@ -108,8 +108,8 @@ class OlderMasks {
   uint32_t number_ = 0;  // the frame's number
   bool changed_ = false, complete_ = false;
   PixelTrail own_trail_;
-  PixelTrail* trail_ = &own_trail_;  // of the frame
-  uint64_t step_ = 0;                // of the trail in the last frame
+  PixelTrail* trail_ = &own_trail_;  // the frame's
+  uint64_t step_ = 0;                // the trail's step() in the last frame
   CoarseSky coarse_sky_;
   std::vector<uint8_t> lacks_sky_;
 };

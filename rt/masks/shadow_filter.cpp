@@ -41,7 +41,7 @@ const float* row_of(std::span<const float> image, uint32_t width, uint32_t x, ui
   return copy;
 }
 
-// Returns the same of a mask of bytes.
+// Does the same for a mask of bytes; 1 beyond the picture.
 const float* unpacked_row(std::span<const uint8_t> mask, uint32_t width, uint32_t x, uint32_t y, float (&copy)[side]) {
   const uint8_t* from = mask.data() + size_t{y} * width + x;
   const uint32_t count = std::min(side, width - x);
@@ -169,7 +169,7 @@ void ShadowFilter::slope(uint32_t tile_y, std::span<const uint8_t> needed) {
       if (needed[size_t{tile_y} * tiles_x_ + x / side]) kernels_->slope(to, at(x, y));
 }
 
-// Returns the least visibility of what shares the reach.
+// Returns the least visibility, over all masks that share the reach, of sixteen pixels.
 const float* ShadowFilter::darkest_row(uint32_t x, uint32_t y, float (&copy)[side]) const {
   std::fill_n(copy, side, 1.0f);
   for (const Sharing& shared : sharing_) {
@@ -228,7 +228,7 @@ ShadowFilter::Tile ShadowFilter::around(uint32_t tile_x, uint32_t tile_y) const 
   return sum;
 }
 
-// Decides which tiles of a row change, and how far their pixels look.
+// Decides which tiles of a row the filter changes, and how far it reaches there.
 void ShadowFilter::classify(const ShadowFilterInput& input, uint32_t tile_y, ShadowRow& row) {
   if (leader_ != this || !row_states_[tile_y].loaded) return;
   const ShadowTerms terms = terms_of(input);
@@ -303,7 +303,7 @@ void ShadowFilter::store(Executor& executor, const float* plane, std::span<float
   });
 }
 
-// Masks beside each other that name the same hit distances are colours of one light: the first leads.
+// Consecutive masks that name the same hit distances are colours of one light; the first one's filter leads.
 void ShadowFilter::share_reach(std::span<ShadowFilter* const> filters, std::span<const ShadowFilterInput> inputs) {
   for (size_t i = 0; i < filters.size(); ++i) {
     ShadowFilter* const before = i > 0 ? filters[i - 1]->leader_ : nullptr;
@@ -316,7 +316,7 @@ void ShadowFilter::share_reach(std::span<ShadowFilter* const> filters, std::span
   }
 }
 
-// Returns the first filter of every depth: the others have its guide.
+// Returns the first filter of every depth; the others share its guide.
 std::vector<size_t> ShadowFilter::share_guides(std::span<ShadowFilter* const> filters,
                                                std::span<const ShadowFilterInput> inputs) {
   std::vector<size_t> firsts;

@@ -38,10 +38,9 @@ class ShadowFilter {
 
   // Filters within the frame. `result` has the images' size. Throws Failure (INVALID_ARGUMENT) if sizes differ.
   void spatial(Executor& executor, const ShadowFilterInput& input, std::span<float> result);
-  // Does the same for several filters of one size at once, each of which stores its result in store(); what depends on
-  // the depth is computed once for all that name the same images, and masks in a row that name the same hit distances,
-  // colours of one light, look equally far. `whole`: what temporal() needs, too; otherwise tiles that cannot change are
-  // left out.
+  // Does the same for several filters of one size at once; store() stores their results. Filters that name the same
+  // depth share what is computed from it. Consecutive masks that name the same hit distances, as the colours of one
+  // light do, share their reach. `whole`: computes what temporal() needs, too; otherwise skips tiles that stay equal.
   static void spatial(Executor& executor, std::span<ShadowFilter* const> filters,
                       std::span<const ShadowFilterInput> inputs, bool whole);
   // Writes the results of spatial(), or of temporal() if `accumulated`, to the masks (255 = 1) where they differ.
@@ -120,7 +119,7 @@ class ShadowFilter {
   std::vector<Tile> tiles_;
   std::vector<RowState> row_states_;
   std::shared_ptr<Guide> own_guide_, guide_;  // the latter may be another filter's
-  // Of the frame: whose reach holds here; and of a leader all whom its reach holds for, itself first.
+  // For this frame: the filter whose reach this one uses; in a leader, all filters that use its reach, itself first.
   ShadowFilter* leader_ = nullptr;
   std::vector<Sharing> sharing_;
   std::vector<float> planes_[plane_count], history_[2][history_plane_count];

@@ -31,7 +31,7 @@ struct LightRequest {
   uint32_t seed = 1;
   SequenceStep sequence = SequenceStep::first;   // of `still` and the history
   ViewFrame frame{};                             // of the history
-  StillFrames* still = nullptr;                  // a frame that is the last one keeps the image; null: it is traced
+  StillFrames* still = nullptr;                  // a frame equal to the last keeps its image; null: all are traced
   const std::atomic<bool>* cancelled = nullptr;  // polled between tiles
   WorkTime work;                                 // tiles that it does not let begin are skipped
   ShadingQueue* shading_queue = nullptr;         // as in LayerRequest

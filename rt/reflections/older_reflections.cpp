@@ -19,9 +19,10 @@ void OlderReflections::begin(const ReflectionRequest& r, TracedScene& scene, Ref
   std::shared_ptr<const model::Snapshot> committed = scene.committed();
   const size_t pixels = size_t{r.width} * r.height;
   trail_ = r.frame.trail ? r.frame.trail : &own_trail_;
-  trail_->begin(r.view, r.depth, {r.width, r.height}, scene.shading().snapshot->origin, r.sequence != SequenceStep::first,
-                scene.executor(), r.frame.number);
-  moves_ = trail_->follows(std::exchange(step_, trail_->step())) && follows(r, *committed) && image.radiance.size() == 4 * pixels;
+  trail_->begin(r.view, r.depth, {r.width, r.height}, scene.shading().snapshot->origin,
+                r.sequence != SequenceStep::first, scene.executor(), r.frame.number);
+  moves_ = trail_->follows(std::exchange(step_, trail_->step())) && follows(r, *committed) &&
+           image.radiance.size() == 4 * pixels;
   known_ = false;
   number_ = moves_ ? number_ + 1 : 1;
   if (!moves_) turns_.assign(size_t{tile_count(r.width)} * tile_count(r.height), 0);
@@ -65,15 +66,17 @@ void OlderReflections::leave(const ReflectionRequest& r, size_t tile, Reflection
   for_rows(tile, [&](uint32_t x, uint32_t y, uint32_t count) {
     may_mirror = may_mirror || r.normals.any_below(size_t{y} * width_ + x, count, r.max_roughness);
   });
-  if (!may_mirror) return empty(tile, image);  // as in most of a picture
+  if (!may_mirror) return empty(tile, image);  // as most tiles are
   empty_[tile] = 0;
   for_rows(tile, [&](uint32_t x, uint32_t y, uint32_t count) {
     const size_t first = size_t{y} * width_ + x;
     const uint32_t* from = trail_->from(x, y);
     for (uint32_t i = 0; i < count; ++i) {
       const size_t texel = first + i, then = moves_ ? from[i] : PixelTrail::nowhere;
-      const bool mirrors = trail_->depths()[texel] > 0.0f && reflection_share(r.normals.roughness(texel), r.max_roughness) > 0.0f;
-      const bool shows = mirrors && then != PixelTrail::nowhere && ages_then_[then] < oldest && then_[4 * then + 3] != 0;
+      const bool mirrors =
+          trail_->depths()[texel] > 0.0f && reflection_share(r.normals.roughness(texel), r.max_roughness) > 0.0f;
+      const bool shows =
+          mirrors && then != PixelTrail::nowhere && ages_then_[then] < oldest && then_[4 * then + 3] != 0;
       ages_[texel] = shows ? static_cast<uint8_t>(ages_then_[then] + 1) : no_answer;
       for (size_t c = 0; c < 4; ++c) image.radiance[4 * texel + c] = shows ? then_[4 * then + c] : uint16_t{0};
       counters.reflection_pixels_older += shows;

@@ -50,10 +50,10 @@ class OlderReflections {
   bool shadows_ = false, light_bounces_ = false, denoise_ = false;
   std::shared_ptr<const model::Snapshot> committed_;
   PixelTrail own_trail_;
-  PixelTrail* trail_ = &own_trail_;  // of the frame
-  uint64_t step_ = 0;                // of the trail in the last frame
+  PixelTrail* trail_ = &own_trail_;  // the frame's
+  uint64_t step_ = 0;                // the trail's step() in the last frame
   std::vector<uint16_t> then_;  // the image of the previous frame
-  std::vector<uint8_t> empty_, empty_then_;  // of each tile of both: it holds nothing
+  std::vector<uint8_t> empty_, empty_then_;  // by tile: holds no reflection in this frame, and in the previous one
   std::vector<uint8_t> ages_, ages_then_;
   std::vector<uint32_t> turns_;
 };

@@ -27,7 +27,7 @@ class NormalTexels {
   std::span<const std::byte> bytes() const { return bytes_; }
   glm::vec4 operator[](size_t texel) const;
   float roughness(size_t texel) const;
-  // Returns false where all of some texels are rougher. It may return true there.
+  // Returns whether any of `count` texels may be at most as rough as `roughness`. Only false is certain.
   bool any_below(size_t first, size_t count, float roughness) const;
 
  private:

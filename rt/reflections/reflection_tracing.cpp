@@ -104,7 +104,7 @@ float NormalTexels::roughness(size_t texel) const {
                     : reinterpret_cast<const float*>(bytes_.data())[w];
 }
 
-// Without branches, which becomes vectors. Halfs of one sign are in the order of their bits.
+// The loops have no branches, so that they become vector code. Halfs of one sign are ordered like their bits.
 bool NormalTexels::any_below(size_t first, size_t count, float roughness) const {
   bool any = false;
   if (are_halfs_) {

@@ -80,7 +80,7 @@ struct EnvironmentLevels {
   const float* texels[most];
   float width[most], height[most];
   int32_t count;  // 0: black
-  bool uniform;   // places do not count
+  bool uniform;   // the same in all directions
 };
 
 struct ShadeKernels {

@@ -418,7 +418,8 @@ void specular_block(const EnvironmentLevels& levels, const BlockRow (&uv)[2], co
                     BlockRow (&radiance)[3]) {
   if (levels.uniform) {
     for (int c = 0; c < 3; ++c)
-      for (int at = 0; at < static_cast<int>(block_size); at += lane_count) store(radiance[c] + at, real(levels.texels[0][c]));
+      for (int at = 0; at < static_cast<int>(block_size); at += lane_count)
+        store(radiance[c] + at, real(levels.texels[0][c]));
     return;
   }
   SpecularBlock blocks[2];

@@ -68,7 +68,7 @@ struct PointAround {
   glm::vec3 normal;  // the geometric one
   float width;       // of a pixel there
   float weight;      // of its light in the pixel
-  uint32_t key;      // of random numbers: the place's
+  uint32_t key;      // of random numbers at this place
 };
 
 // Refers to the rows of one lobe of a block's surfaces.
@@ -126,7 +126,7 @@ class SurfaceBatch {
   // Writes the sum of all lights(), unoccluded. `shine` receives the part added after texturing, and may be null.
   void unblocked(glm::vec3* radiance, glm::vec3* shine = nullptr);
 
-  // Says what blend_of() says of each point, and weighs each by its cover. `hits` are those that were loaded.
+  // Fills `blends` by blend_of() for each point, and weights each point by its cover. `hits`: those that were loaded.
   void blend(std::span<const HitPlace> hits, shading::SrBlend* blends);
 
   // Samples lights for the points of one block and appends their shadow rays, which end at `share` of the distance. A

@@ -7,7 +7,7 @@
 
 namespace sideray::rt {
 
-// Returns whether the same comes from all directions, so that look-ups need none.
+// Returns whether all directions have the same light, so that look-ups need no direction.
 inline bool is_uniform(const model::Environment& environment) {
   return environment.black || environment.uniform;
 }

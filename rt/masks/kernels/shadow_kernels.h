@@ -40,12 +40,12 @@ struct ShadowKernels {
   // `darkest`: the least visibility of the images that share a reach.
   void (*load)(const float* visibility, const float* darkest, const float* hit_distance, const ShadowPlanes& planes,
                int32_t at, ShadowColumns& columns);
-  // `nearness`: that of the occluders of the tiles around, for pixels without an occluder among their neighbours.
+  // `nearness`: of the occluders in the tiles around, for pixels without an occluder among their neighbours.
   void (*prepare)(const ShadowTerms& terms, const ShadowPlanes& planes, int32_t at, int32_t x, int32_t y,
                   float nearness, float* most_reach);
-  // `images`: several that share what is not their visibility.
+  // `images`: several that share all planes except visibility and filtered.
   void (*blur)(const ShadowPlanes* images, int32_t count, int32_t at, int32_t step);
-  // `motion`: sixteen x, sixteen y. `first`: index of pixel (0, 0).
+  // `motion`: sixteen x, then sixteen y. `first`: index of pixel (0, 0).
   void (*accumulate)(const ShadowTerms& terms, const ShadowPlanes& planes, const ShadowHistoryPlanes& before,
                      const ShadowHistoryPlanes& after, const float* motion, int32_t first, int32_t x, int32_t y,
                      int32_t width, int32_t height);

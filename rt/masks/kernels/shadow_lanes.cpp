@@ -95,13 +95,13 @@ SIDERAY_LANE bool is_even(const float* visibility, int32_t stride, int32_t step)
   return !sr_any(!even);
 }
 
-// Of images that share all but their visibility.
+// Blurs images that share all planes except visibility and filtered.
 template <int Count>
 SIDERAY_LANE void blur_lanes(const ShadowPlanes* images, int32_t at, int32_t step) {
   const ShadowPlanes& p = images[0];
   const SfPlane plane = plane_at(p, at);
   const real reach = load_any(p.reach + at);
-  // Beyond sf_bell's end every weight is 0, whatever the neighbour reaches.
+  // Beyond the end of sf_bell every weight is 0, whatever the neighbour's reach is.
   const auto reaches = [&](int32_t square) { return sr_any(reach * reach * 8.01f > static_cast<float>(square)); };
   const bool reaches_any = reaches(step * step), reaches_corners = reaches(2 * step * step);
   real sum[Count];
