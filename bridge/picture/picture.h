@@ -32,7 +32,7 @@ namespace sideray::bridge {
 
 using Picture = sideray_picture;
 
-// Calls visit(i, y * width + x) for the pixels in the order of planes: y counts from the bottom, i from the top.
+// Calls visit(i, y * width + x) for each pixel in the order of planes: i counts from the top row, y from the bottom.
 template <typename Visit>
 void for_each_texel(const Picture& picture, Visit&& visit) {
   size_t i = 0;
@@ -66,7 +66,7 @@ void add_plane(Picture& picture, std::string name, Value&& value) {
   append(picture, std::move(plane));
 }
 
-// All four planes are filled at once: memory is what takes time.
+// Fills all four planes at once, because memory bandwidth limits it.
 inline void add_color(Picture& picture, const std::vector<glm::vec4>& color) {
   Picture::Plane planes[] = {{"R", {}, {}}, {"G", {}, {}}, {"B", {}, {}}, {"A", {}, {}}};
   for (Picture::Plane& plane : planes) plane.values.resize(color.size());

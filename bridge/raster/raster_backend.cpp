@@ -48,7 +48,8 @@ void RasterBackend::begin_call() {
 
 void RasterBackend::require_context() {
   if (context_->is_lost())
-    fail(SIDERAY_GL_FAILED, "OpenGL driver {}: it has lost the context, as where a GPU is reset; create another renderer",
+    fail(SIDERAY_GL_FAILED,
+         "OpenGL driver {}: it has lost the context, as where a GPU is reset; create another renderer",
          context_->info().renderer);
 }
 

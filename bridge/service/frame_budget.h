@@ -1,7 +1,7 @@
 // Divides the time that a host gives its frames among their jobs, so that a frame ends in time instead of being cut.
 // Measures what each job of a view takes besides its rays, reserves that time, and shares the rest in proportion to the
-// time of all rays of each job. Where that is not enough for all, jobs take turns, the one that waited longest first, and
-// the others show history alone. One object for a service; any thread.
+// time of all rays of each job. If the time is too short for all jobs, they take turns: the job that waited longest
+// traces, and the others show history alone. One object for a service; any thread.
 #pragma once
 
 #include <sideray/service.h>
@@ -50,7 +50,7 @@ class FrameBudget {
     double idle = 0.0;   // for a frame without rays
     double upload = 0.0;
     uint32_t expected = 0, frames = 0;
-    uint32_t waited = 0;  // frames since the last one with rays, counting the current one
+    uint32_t waited = 0;  // frames since its last rays, the current one included
   };
   struct Round {
     Time end;
@@ -59,7 +59,7 @@ class FrameBudget {
 
   std::mutex mutex_;
   std::optional<Round> round_;
-  Time last_turn_{};  // the end of the last frames of which a job has traced anything
+  Time last_turn_{};  // when the last frames in which a job traced rays must end
   std::array<std::array<Cost, job_count>, SIDERAY_MAX_VIEWS> costs_{};
 };
 

@@ -78,7 +78,7 @@ struct ServiceView {
   ReflectionJob reflections;
   const std::array<Job*, job_count> jobs{&masks, &irradiance, &reflections, &layers};  // in tracing order
   std::array<std::shared_ptr<const model::Snapshot>, job_count> shown;  // the scene of each job's newest outputs
-  rt::PixelTrail trail;  // where each pixel was in the frame before, for all jobs; the worker thread's
+  rt::PixelTrail trail;  // where each pixel was in the previous frame, for all jobs; used by the worker thread alone
   std::array<bool, job_count> broken{};  // the next frame of the job starts a new history
 
   // Drops all OpenGL objects without calling OpenGL.
