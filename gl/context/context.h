@@ -56,8 +56,8 @@ class Context {
   // SIDERAY_GL_DEBUG set, a message is there before the call that caused it returns; without, perhaps later. For a
   // host's context, whose debug output is the host's, returns what glGetError has.
   virtual std::vector<std::string> take_errors();
-  // Whether the driver has lost it, as where the GPU was reset: nothing is drawn in it any more. False where drivers do not tell,
-  // and of a host's context, whose status is the host's to take.
+  // Returns whether the driver has lost the context, for example by a reset of the GPU, so that nothing is drawn in it
+  // any more. False if the driver does not tell, and for a host's context, whose status only the host may query.
   virtual bool is_lost();
 
  protected:
@@ -70,7 +70,7 @@ class Context {
   std::vector<std::string> errors_;
 
  private:
-  bool is_lost_ = false;  // drivers may tell it once
+  bool is_lost_ = false;  // stored, because a driver may report it only once
   static void GLAD_API_PTR receive_message(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length,
                                            const GLchar* message, const void* context);
   std::mutex errors_mutex_;  // drivers may report from threads of their own

@@ -248,7 +248,7 @@ EGLConfig choose_config(const Library& egl, EGLDisplay display, const std::strin
   return config;
 }
 
-// Attributes of a context that tells when it is lost, where `tells_loss`.
+// Returns the attributes of a context. `tells_loss`: the context reports when it is lost.
 std::vector<EGLint> context_attributes(int version, Profile profile, bool egl_1_5, bool tells_loss) {
   std::vector<EGLint> attributes = {
       EGL_CONTEXT_MAJOR_VERSION,
@@ -270,7 +270,7 @@ std::vector<EGLint> context_attributes(int version, Profile profile, bool egl_1_
 EGLContext create_context(const Library& egl, EGLDisplay display, EGLConfig config, Profile profile) {
   const bool egl_1_5 = text(egl.query_string(display, EGL_VERSION)).compare(0, 3, "1.5") >= 0;
   for (const int version : core_versions)
-    for (const bool tells_loss : {true, false}) {  // not all drivers can
+    for (const bool tells_loss : {true, false}) {  // not all drivers report a loss
       const std::vector<EGLint> attributes = context_attributes(version, profile, egl_1_5, tells_loss);
       EGLContext context = egl.create_context(display, config, EGL_NO_CONTEXT, attributes.data());
       if (context != EGL_NO_CONTEXT) return context;

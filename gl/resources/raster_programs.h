@@ -53,9 +53,9 @@ struct LightInputs {
   bool tints = false, tint_maps = false;
 };
 
-// What translucent surfaces look up beside layers.
+// Says what translucent surfaces look up besides layers.
 struct TranslucentInputs {
-  bool aside = false;  // the opaque picture: the surface bends or blurs light
+  bool aside = false;  // the opaque picture, for a surface that refracts or blurs
   bool tint_maps = false;
 };
 

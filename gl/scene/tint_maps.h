@@ -3,8 +3,8 @@
 // current.
 //
 // Limits: where a texel has surfaces on both sides of a receiver that is behind the first, all of them tint it; where
-// solids overlap, both absorb; light is not bent. A translucent receiver subtracts its own part of the sum. That of a
-// solid is unknown, so solids are not tinted.
+// solids overlap, both absorb; light is not bent. A translucent receiver subtracts its own optical depth from the sum.
+// That of a solid is unknown, so solids are not tinted.
 #pragma once
 
 #include <cstdint>
