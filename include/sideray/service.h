@@ -265,7 +265,7 @@ typedef struct sideray_frame_inputs {
   const sideray_diagnostics* diagnostics; /* NULL: none. exact_points and budget_pieces are read */
   /* Milliseconds, > 0, from the readback of depth to the last upload, for rays, filters and uploads of all jobs. The
    * service predicts filters and uploads from earlier frames and stops rays in time for them. Views submitted together
-   * share the budget of the first. Where it is too short for all jobs they take turns, the one that waited longest first;
+   * share the budget of the first. If it is too short for all jobs, they take turns, the one that waited longest first;
    * each traces its least recently traced pieces first. Pieces without a turn show their history as under deadline_ms,
    * reflections too. 0 = none. Not with deadline_ms. The bits depend on the machine. */
   float budget_ms;
@@ -417,7 +417,7 @@ typedef struct sideray_frame_stats {
   uint64_t answer_age; /* age of the oldest answer shown, in frames with changes */
   /* Reflecting pixels without a reflection; and with one from an earlier frame. */
   uint64_t reflection_pixels_late, reflection_pixels_older;
-  uint64_t jobs_starved; /* jobs for whose rays the budget left no time: one piece where it is their turn */
+  uint64_t jobs_starved; /* jobs without time for rays in the budget: they trace one piece if it is their turn */
   /* Age of the least recently traced piece of the picture, in frames; 0 = all was traced in this one. */
   uint64_t frames_waiting;
   uint64_t rays_bounce; /* of irradiance: rays of paths, and rays to the sky */
@@ -436,8 +436,8 @@ SIDERAY_API sideray_status sideray_service_stats(sideray_service* service, sider
  * NULL: the version is not supported. Needs no context. */
 SIDERAY_API const char* sideray_glsl(int glsl_version);
 
-/* Whole programs in GLSL 1.20 for hosts without shaders of their own; shaders/host/ready_*.glsl explain their uniforms. They
- * need `float_ids`. */
+/* Whole programs in GLSL 1.20 for hosts without shaders of their own; shaders/host/ready_*.glsl explain their uniforms.
+ * They need `float_ids`. */
 typedef enum sideray_ready_program {
   SIDERAY_READY_GLASS = 0,  /* glass lit and textured by the fixed function, with answers where there are any */
   SIDERAY_READY_SHADOWS = 1, /* multiplies the opaque picture by a light's shadow mask and the ambient occlusion mask */
