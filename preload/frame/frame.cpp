@@ -143,13 +143,15 @@ void Frame::add_pending() {
   else
     scene_->add_opaque(draw);
   if (pending_->decision.taking == Taking::opaque && rules_.sun() >= 0) {
-    note_shadows(receivers_.add(pending_->state, pending_->geometry, draw.textures[0]->hash, pending_->decision.rule, rules_.sun()));
+    note_shadows(receivers_.add(pending_->state, pending_->geometry, draw.textures[0]->hash, pending_->decision.rule,
+                                rules_.sun()));
   }
   pending_.reset();
 }
 
 void Frame::note_shadows(Receivers::Taken taken) {
-  if (taken == Receivers::Taken::other_sun) survey_.miss("draws that the sun lights from another place than others: no shadows fall on them");
+  if (taken == Receivers::Taken::other_sun)
+    survey_.miss("draws that the sun lights from another place than others: no shadows fall on them");
   scene_->set_sun(receivers_.sun());
 }
 
@@ -210,12 +212,15 @@ void Frame::add_reflector(Held& held, const Piece& piece) {
   if (ids.bent != 0) held.bending.push_back(held.reflectors.back());
 }
 
-// What multiplies the picture shows the shadows that lie on it already.
+// Lets shadows fall on a held draw. A draw that multiplies the picture needs none, as the picture is in shadow already.
 void Frame::add_shadows(Held& held, Piece& piece) {
   const bool waits = piece.decision.taking == Taking::held || piece.decision.taking == Taking::reflects;
-  if (!waits || rules_.sun() < 0 || !piece.state.lighting || multiplies(piece.state) || piece.decision.rule.kind == Kind::ignore) return;
+  if (!waits || rules_.sun() < 0 || !piece.state.lighting || multiplies(piece.state) ||
+      piece.decision.rule.kind == Kind::ignore)
+    return;
   piece.state.lights = read_lighting();
-  const Receivers::Taken taken = receivers_.hold(piece.state, piece.geometry, textures_.find(piece.state.texture()).hash, rules_.sun());
+  const Receivers::Taken taken =
+      receivers_.hold(piece.state, piece.geometry, textures_.find(piece.state.texture()).hash, rules_.sun());
   note_shadows(taken);
   if (taken != Receivers::Taken::receives) return;
   held.in_shadow = held.state.free_unit() >= 0;

@@ -23,8 +23,8 @@ class Survey {
     std::set<std::string> taken;
   };
   struct Frame {
-    uint64_t pixels = 0, reflecting = 0;             // of the view; fragments that show rays
-    uint64_t in_shadow = 0, held_in_shadow = 0;      // pixels that shadows darken: of what is opaque, of what is held back
+    uint64_t pixels = 0, reflecting = 0;             // of the view; fragments that show ray-traced radiance
+    uint64_t in_shadow = 0, held_in_shadow = 0;      // pixels that shadows darken: of opaque draws, of held draws
     double trace_ms = 0, frame_ms = 0;  // 0 = not known
     size_t instances = 0, meshes = 0, held = 0, batches = 0;
     uint64_t rays = 0, shadow_rays = 0, layers = 0;

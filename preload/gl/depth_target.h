@@ -1,4 +1,4 @@
-// A framebuffer with a texture of depth and one that marks pixels, which the service reads.
+// A framebuffer that the service reads, with a depth texture and a texture that marks pixels.
 #pragma once
 
 #include <array>
@@ -13,14 +13,14 @@ class DepthTarget {
   ~DepthTarget();
   DepthTarget(const DepthTarget&) = delete;
   DepthTarget& operator=(const DepthTarget&) = delete;
-  // For a context that is gone.
+  // Forgets the OpenGL objects, if their context is gone.
   void abandon() { framebuffer_ = depth_ = marks_ = 0; }
 
-  // Makes the textures reach to the viewport's far corner. They begin at the framebuffer's first pixel.
+  // Makes textures that reach from the framebuffer's first pixel to the viewport's far corner.
   void make(const std::array<GLint, 4>& viewport);
-  // Takes the depth of the framebuffer that is bound.
+  // Copies the depth of the bound framebuffer.
   void copy_depth();
-  // Draws go here; no pixel is marked. Throws sideray::Error where the driver cannot.
+  // Binds the framebuffer for drawing and clears the marks. Throws sideray::Error if the driver refuses it.
   void begin();
 
   GLuint framebuffer() const { return framebuffer_; }

@@ -20,7 +20,8 @@
   X(PixelStorei) X(TexParameteri) X(ReadBuffer) X(EnableClientState) X(DisableClientState) X(VertexPointer)                \
   X(NormalPointer) X(ColorPointer) X(TexCoordPointer) X(ActiveTexture) X(ClientActiveTexture) X(BindBuffer)                \
   X(GetBufferParameteriv) X(GetBufferSubData) X(GenTextures) X(GenFramebuffers) X(DeleteFramebuffers)                      \
-  X(FramebufferTexture2D) X(CheckFramebufferStatus) X(ClearColor) X(ClearDepth) X(CreateShader) X(ShaderSource) X(CompileShader)         \
+  X(FramebufferTexture2D) X(CheckFramebufferStatus) X(ClearColor) X(ClearDepth) X(CreateShader) X(ShaderSource)        \
+  X(CompileShader)                                                                                                     \
   X(GetShaderiv) X(GetShaderInfoLog) X(DeleteShader) X(CreateProgram) X(AttachShader) X(LinkProgram) X(GetProgramiv)       \
   X(GetProgramInfoLog) X(DeleteProgram) X(GetUniformLocation) X(Finish) X(Uniform1f) X(Uniform1i) X(Uniform2f) X(Uniform3f) X(UniformMatrix4fv) X(GenQueries) X(DeleteQueries)                   \
   X(BeginQuery) X(EndQuery) X(GetQueryObjectuiv) X(WindowPos2i) X(PixelZoom)

@@ -18,7 +18,7 @@ GLuint make_texture();
 // GL_OBJECT_LINEAR or GL_EYE_LINEAR. For GL_EYE_LINEAR, MODELVIEW must be the identity. Leaves the first unit active.
 void generate_coordinates(int unit, GLenum space, const std::array<GLfloat, 16>& matrix, GLenum rows);
 
-// The first unit for the service's textures, behind those whose state is kept.
+// The first texture unit for the service, behind the units whose state is saved.
 constexpr GLenum service_unit = kept_units;
 
 }  // namespace sideray::run

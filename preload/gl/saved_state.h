@@ -12,9 +12,9 @@ class SavedState {
   static SavedState read();
   // Changes the matrices without restoring them; call it while AllState is alive.
   void apply() const;
-  // The first texture unit behind those that the draw uses, which ends what they do to its colour; -1 = all are used.
+  // Returns the first texture unit behind the draw's own, whose result is the draw's colour; -1 = all are used.
   int free_unit() const;
-  // Of what apply() sets: the matrices of the view and the active unit.
+  // Sets only the view's matrices and the active unit.
   void apply_view() const;
 
  private:

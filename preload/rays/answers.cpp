@@ -12,10 +12,12 @@ void* get_proc_address(void*, const char* name) {
 
 sideray_view view_of(const Matrix& projection) {
   double clip_from_eye[16], identity[16] = {};
-  for (size_t i = 0; i < 16; ++i) clip_from_eye[i] = static_cast<double>(projection[i]), identity[i] = i % 5 == 0 ? 1 : 0;
+  for (size_t i = 0; i < 16; ++i)
+    clip_from_eye[i] = static_cast<double>(projection[i]), identity[i] = i % 5 == 0 ? 1 : 0;
   sideray_view view{};
   sideray_error error{};
-  if (const sideray_status status = sideray_view_from_matrices(clip_from_eye, identity, &view, &error); status != SIDERAY_OK)
+  if (const sideray_status status = sideray_view_from_matrices(clip_from_eye, identity, &view, &error);
+      status != SIDERAY_OK)
     throw Error(status, error.message);
   return view;
 }
@@ -54,7 +56,7 @@ sideray_mask_inputs sun_masks(float rounding) {
   masks.denoise = 0;
   masks.moving = settings().late;
   masks.shadow_bias = rounding;
-  masks.shadow_bias_steps = 4;  // large polygons: what OpenGL interpolates is coarser than a step
+  masks.shadow_bias_steps = 4;  // because OpenGL interpolates depth on large polygons more coarsely than a step
   return masks;
 }
 

@@ -1,4 +1,4 @@
-// What was submitted for a view, and what of it is answered: with `--late`, not the same.
+// Holds what was submitted for a view and what is answered; with `--late` the answers are of an earlier frame.
 #pragma once
 
 #include <sideray/sideray.hpp>
@@ -10,23 +10,23 @@
 
 namespace sideray::run {
 
-// Where surfaces were in a frame that was submitted, by their names.
+// Holds where the surfaces were in a submitted frame, by their names.
 using Places = std::map<uint32_t, Matrix>;
 
 struct Answers {
-  std::optional<sideray_ticket> ticket;  // it is traced
-  Places surfaces, receivers;            // of the ticket: what has layers, and what shadows fall on
-  Places answered, shadowed;             // likewise, of the answers that are there
-  sideray_frame_stats stats{};           // of these
+  std::optional<sideray_ticket> ticket;  // of the frame that is being traced
+  Places surfaces, receivers;            // in the ticket's frame: surfaces with layers, and receivers of shadows
+  Places answered, shadowed;             // the same in the frame of the answers
+  sideray_frame_stats stats{};           // of the answers
 
   void submit(Service& service, const FrameInputs& inputs);
-  // Takes the answers to the ticket if they are there within `timeout_ms`; -1 = waits for them.
+  // Takes the ticket's answers if they arrive within `timeout_ms`; -1 = waits for them.
   void take(Service& service, int32_t timeout_ms);
 };
 
-// Of a view whose world space is eye space; nothing is asked for yet, and all pixels count.
+// Returns inputs for a view whose world space is eye space, without a stencil mask.
 FrameInputs frame_inputs(uint32_t view, const Matrix& projection, const std::array<GLint, 4>& viewport);
-// Of the sun alone, light 0 of the scene; `rounding`: how far off what OpenGL draws may be.
+// Returns inputs for masks of the sun alone, light 0 of the scene. `rounding`: error of the positions OpenGL draws.
 sideray_mask_inputs sun_masks(float rounding);
 Service make_service(const Tracer& tracer);
 

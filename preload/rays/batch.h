@@ -1,4 +1,4 @@
-// What of a frame waits for rays together.
+// The draws of a frame that wait together for rays.
 #pragma once
 
 #include <array>
@@ -16,30 +16,30 @@ struct Reflector {
   Matrix modelview{};
   MirrorIds ids;
   float reflectance = 0;
-  bool fresnel = true;  // it grows to 1 at grazing angles
+  bool fresnel = true;  // the reflectance grows to 1 at grazing angles
 };
 
-// A draw that is held back, as it is made: of a display list, or of geometry.
+// Holds a draw that is held back: a display list, or geometry.
 struct HeldDraw {
   const SavedState* state = nullptr;
   GLuint list = 0;
   std::vector<const Geometry*> geometry;
 
-  // Its state is set.
+  // Draws; `state` must be set.
   void make() const;
 };
 
 struct Batch {
-  uint32_t number = 0;  // of the frame's
+  uint32_t number = 0;  // within the frame
   std::vector<Reflector> reflectors;
   std::vector<const SavedState*> states;  // of each reflector
   const Receivers* receivers = nullptr;
-  std::vector<HeldDraw> shadowed;  // what is held back and lit by the sun
+  std::vector<HeldDraw> shadowed;  // held draws that the sun lights
   int sun = 0;                     // GL_LIGHT0 + sun casts shadows
   Matrix projection{};
   std::array<GLint, 4> viewport{};
 
-  bool has_shadows() const { return !receivers->draws().empty() && receivers->sun(); }  // on what is opaque
+  bool has_shadows() const { return !receivers->draws().empty() && receivers->sun(); }  // on opaque draws
   bool is_empty() const { return reflectors.empty() && !has_shadows() && shadowed.empty(); }
 };
 

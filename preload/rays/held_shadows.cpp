@@ -8,9 +8,10 @@ namespace sideray::run {
 namespace {
 
 constexpr Matrix identity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-constexpr float least_alpha = 0.02f;  // of what hides something: less is a hole
+constexpr float least_alpha = 0.02f;  // a smaller alpha is a hole in the draw
 
-// Where in a texture that reaches from the framebuffer's first pixel to the viewport's far corner a place of eye space is drawn.
+// Returns the matrix from eye space to coordinates of a texture that reaches from the framebuffer's first pixel to the
+// viewport's far corner.
 Matrix texture_from_eye(const Matrix& projection, const std::array<GLint, 4>& viewport) {
   Matrix result{};
   for (size_t column = 0; column < 4; ++column) {
@@ -35,7 +36,7 @@ void HeldShadows::abandon() {
   answers_.clear();
 }
 
-// Where draws have their holes, what lies behind is the nearest.
+// Draws the depth of the nearest surface of the held draws. Holes show what lies behind them.
 void HeldShadows::draw_depth(const Batch& batch) {
   const Functions& gl = real();
   target_.make(batch.viewport);
@@ -45,7 +46,9 @@ void HeldShadows::draw_depth(const Batch& batch) {
   gl.Clear(GL_DEPTH_BUFFER_BIT);
   for (const HeldDraw& draw : batch.shadowed) {
     draw.state->apply();
-    for (const GLenum off : {GL_FOG, GL_BLEND, GL_STENCIL_TEST, GL_POLYGON_STIPPLE, GL_COLOR_LOGIC_OP, GL_POLYGON_OFFSET_FILL}) gl.Disable(off);
+    for (const GLenum off :
+         {GL_FOG, GL_BLEND, GL_STENCIL_TEST, GL_POLYGON_STIPPLE, GL_COLOR_LOGIC_OP, GL_POLYGON_OFFSET_FILL})
+      gl.Disable(off);
     gl.Enable(GL_DEPTH_TEST);
     gl.DepthFunc(GL_LEQUAL);
     gl.DepthMask(GL_TRUE);
@@ -72,8 +75,8 @@ void HeldShadows::trace(const Batch& batch) {
 }
 
 void HeldShadows::light(const Batch& batch, GLuint picture_depth) {
-  shadows_.light({&batch.receivers->held(), batch.sun, &answers_[batch.number].shadowed, target_.depth(), picture_depth, batch.projection,
-                  batch.viewport},
+  shadows_.light({&batch.receivers->held(), batch.sun, &answers_[batch.number].shadowed, target_.depth(), picture_depth,
+                  batch.projection, batch.viewport},
                  service_, batch.number);
   shadows_.count(batch.viewport);
   texture_from_eye_ = texture_from_eye(batch.projection, batch.viewport);
@@ -89,11 +92,16 @@ void HeldShadows::begin(const SavedState& state) {
   gl.ActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
   gl.BindTexture(GL_TEXTURE_2D, shadows_.left());
   gl.Enable(GL_TEXTURE_2D);
-  // Alpha stays.
+  // Keeps alpha.
   gl.TexEnvi(GL_TEXTURE_ENV, GL_TEXTURE_ENV_MODE, GL_COMBINE);
-  for (const auto& [name, value] : {std::pair{GL_COMBINE_RGB, GL_MODULATE}, {GL_SOURCE0_RGB, GL_PREVIOUS}, {GL_SOURCE1_RGB, GL_TEXTURE},
-                                    {GL_OPERAND0_RGB, GL_SRC_COLOR}, {GL_OPERAND1_RGB, GL_SRC_COLOR}, {GL_COMBINE_ALPHA, GL_REPLACE},
-                                    {GL_SOURCE0_ALPHA, GL_PREVIOUS}, {GL_OPERAND0_ALPHA, GL_SRC_ALPHA}})
+  for (const auto& [name, value] : {std::pair{GL_COMBINE_RGB, GL_MODULATE},
+                                    {GL_SOURCE0_RGB, GL_PREVIOUS},
+                                    {GL_SOURCE1_RGB, GL_TEXTURE},
+                                    {GL_OPERAND0_RGB, GL_SRC_COLOR},
+                                    {GL_OPERAND1_RGB, GL_SRC_COLOR},
+                                    {GL_COMBINE_ALPHA, GL_REPLACE},
+                                    {GL_SOURCE0_ALPHA, GL_PREVIOUS},
+                                    {GL_OPERAND0_ALPHA, GL_SRC_ALPHA}})
     gl.TexEnvi(GL_TEXTURE_ENV, static_cast<GLenum>(name), value);
   for (const GLenum scale : {GL_RGB_SCALE, GL_ALPHA_SCALE}) gl.TexEnvf(GL_TEXTURE_ENV, scale, 1);
   state.apply_view();

@@ -39,8 +39,8 @@ Receiver Receivers::lit(const DrawState& state, int sun, Taken& taken) {
   return draw;
 }
 
-void Receivers::keep(std::vector<Receiver>& list, Receiver draw, const DrawState& state, std::shared_ptr<const Geometry> geometry,
-                     uint64_t texture) {
+void Receivers::keep(std::vector<Receiver>& list, Receiver draw, const DrawState& state,
+                     std::shared_ptr<const Geometry> geometry, uint64_t texture) {
   draw.modelview = state.modelview;
   farthest_origin_ = std::max(farthest_origin_, std::hypot(state.modelview[12], state.modelview[13], state.modelview[14]));
   draw.material = state.material;
@@ -51,17 +51,19 @@ void Receivers::keep(std::vector<Receiver>& list, Receiver draw, const DrawState
   list.push_back(std::move(draw));
 }
 
-Receivers::Taken Receivers::add(const DrawState& state, std::shared_ptr<const Geometry> geometry, uint64_t texture, const Rule& rule,
-                                int sun) {
+Receivers::Taken Receivers::add(const DrawState& state, std::shared_ptr<const Geometry> geometry, uint64_t texture,
+                                const Rule& rule, int sun) {
   if (!may_receive(state) || !geometry->is_surface()) return Taken::nothing;
   Taken taken;
   Receiver draw = lit(state, sun, taken);
-  if (rule.kind == Kind::opaque && rule.shade >= 0) draw.lights.reset(), draw.shade = rule.shade, taken = Taken::receives;
+  if (rule.kind == Kind::opaque && rule.shade >= 0)
+    draw.lights.reset(), draw.shade = rule.shade, taken = Taken::receives;
   if (taken == Taken::receives) keep(draws_, std::move(draw), state, std::move(geometry), texture);
   return taken;
 }
 
-Receivers::Taken Receivers::hold(const DrawState& state, std::shared_ptr<const Geometry> geometry, uint64_t texture, int sun) {
+Receivers::Taken Receivers::hold(const DrawState& state, std::shared_ptr<const Geometry> geometry, uint64_t texture,
+                                 int sun) {
   if (!has_place(state) || !geometry->is_surface()) return Taken::nothing;
   Taken taken;
   Receiver draw = lit(state, sun, taken);

@@ -26,35 +26,36 @@ class Reflections {
   ~Reflections();
   Reflections(const Reflections&) = delete;
   Reflections& operator=(const Reflections&) = delete;
-  // For a context that is gone.
+  // Forgets the OpenGL objects, if their context is gone.
   void abandon();
 
   static constexpr uint32_t most_batches = SIDERAY_MAX_VIEWS;
 
-  // Traces what the batch shows and waits for it, or with settings().late for nothing. The scene is committed; the program's
-  // depth is drawn.
+  // Traces what the batch shows, and waits for it unless settings().late. The scene must be committed, and the
+  // program's depth drawn.
   void trace(const Batch& batch);
-  // Draws the shadows of the batch onto the picture, and finds those of what is held back. State is changed.
+  // Draws the batch's shadows onto the picture, and computes the shadows on held draws. Changes OpenGL's state.
   void draw_shadows(const Batch& batch);
   void mark_shadows(const std::array<GLint, 4>& viewport);
-  // The shadows on draws that are held back; null until there are some.
+  // Returns the shadows on held draws; null until there are some.
   HeldShadows* held_shadows() { return held_shadows_.get(); }
-  // Draws what is seen through a reflector that bends light, or over it what it reflects. Its state is set; state is changed.
+  // Draw what is seen through a refracting reflector, or on top what it reflects. The reflector's state must be set;
+  // changes OpenGL's state.
   void draw_behind(const Reflector& reflector) { draw(reflector, Shown::behind); }
   void draw(const Reflector& reflector) { draw(reflector, Shown::reflected); }
   // Draws white where it would draw an answer.
   void mark(const Reflector& reflector) { draw(reflector, Shown::marks), draw(reflector, Shown::marks_behind); }
-  // At the end of the frame: what is traced moves on.
+  // Ends the frame, and lets the services advance.
   void advance();
-  // Fragments that took an answer, of draws that the GPU has finished and that no earlier call counted. Waits for all of them,
-  // unless settings().late.
+  // Returns how many fragments took an answer, in draws that the GPU has finished and no earlier call counted. Waits
+  // for all draws unless settings().late.
   uint64_t fragments_answered();
-  // Pixels that the last shadows have darkened.
+  // Returns how many pixels the last shadows darkened.
   uint64_t pixels_in_shadow() { return shadows_ ? shadows_->pixels() : 0; }
-  // Pixels where draws that are held back are in shadow, as counted last.
+  // Returns in how many pixels held draws are in shadow, as counted last.
   uint64_t held_in_shadow() { return held_shadows_ ? held_shadows_->pixels() : 0; }
 
-  // Of the frame whose answers are drawn.
+  // Returns the statistics of the frame whose answers are drawn.
   const sideray_frame_stats& stats() const { return view().stats; }
 
  private:
@@ -72,7 +73,7 @@ class Reflections {
   std::unique_ptr<Shadows> shadows_;
   std::unique_ptr<HeldShadows> held_shadows_;
   std::vector<GLuint> queries_;
-  // The batches of a frame have a view each, so that each finds its answers of the frame before.
+  // Each batch of a frame has a view of its own, so that it finds its answers of the previous frame.
   std::map<uint32_t, Answers> views_;
   uint32_t batch_ = 0;
 };

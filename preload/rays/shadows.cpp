@@ -9,7 +9,7 @@
 namespace sideray::run {
 namespace {
 
-constexpr int positions_unit = 7;  // whose generated coordinates are places in the frame of the masks
+constexpr int positions_unit = 7;  // its generated coordinates are positions in the frame of the masks
 
 // First what OpenGL has lit, then which share of it is left: of what the sun lit as much as the masks say.
 constexpr const char* receivers_text = R"(
@@ -159,7 +159,8 @@ void Shadows::set_receiver(const Receiver& draw, const ShadowInputs& inputs, Pas
   const Functions& gl = real();
   if (draw.lights) set_material(draw.material, draw.colored), gl.Enable(GL_LIGHTING);
   const auto before = inputs.before->find(draw.name);
-  generate_coordinates(positions_unit, GL_OBJECT_LINEAR, before != inputs.before->end() ? before->second : draw.modelview, 3);
+  generate_coordinates(positions_unit, GL_OBJECT_LINEAR,
+                       before != inputs.before->end() ? before->second : draw.modelview, 3);
   gl.MatrixMode(GL_MODELVIEW);
   gl.LoadMatrixf(draw.modelview.data());
   set(receivers_, "shade", draw.lights ? -1.0f : draw.shade);
@@ -225,7 +226,8 @@ void Shadows::light(const ShadowInputs& inputs, Service& service, uint32_t view)
 // Fog lies over shadows: what is multiplied has lost fog that comes back.
 void Shadows::darken(const ShadowInputs& inputs) {
   ask(inputs.viewport, Cover::multiplies);
-  const bool fog = std::any_of(inputs.draws->begin(), inputs.draws->end(), [](const Receiver& draw) { return draw.fog.on; });
+  const bool fog =
+      std::any_of(inputs.draws->begin(), inputs.draws->end(), [](const Receiver& draw) { return draw.fog.on; });
   if (fog) cover(inputs.viewport, Cover::adds_fog);
 }
 

@@ -1,5 +1,5 @@
-// How dark the sun's shadows make draws. OpenGL lights the draws that receive them once more, with the sun and without; what the
-// masks let through says how much of the difference is left.
+// Computes how much the sun's shadows darken draws. OpenGL lights the receivers again, with the sun and without it; the
+// masks say how much of the difference is left.
 #pragma once
 
 #include <sideray/sideray.hpp>
@@ -10,38 +10,38 @@
 
 namespace sideray::run {
 
-// What shadows are drawn from.
+// The inputs of Shadows::light() and darken().
 struct ShadowInputs {
   const std::vector<Receiver>* draws = nullptr;
   int sun = 0;                                        // GL_LIGHT0 + sun
   const std::map<uint32_t, Matrix>* before = nullptr;  // where draws were in the frame of the masks, by their names
-  GLuint depth = 0;                                   // a texture: of the nearest of the draws
-  GLuint picture_depth = 0;                           // likewise, of what may hide them
+  GLuint depth = 0;                                   // depth texture of the draws' nearest surfaces
+  GLuint picture_depth = 0;                           // depth texture of surfaces that may hide the draws
   Matrix projection{};
   std::array<GLint, 4> viewport{};
 };
 
 class Shadows {
  public:
-  // In the program's context. Throws sideray::Error where the driver cannot.
+  // Needs the program's context. Throws sideray::Error if the driver refuses the shaders.
   Shadows();
   ~Shadows();
   Shadows(const Shadows&) = delete;
   Shadows& operator=(const Shadows&) = delete;
-  // For a context that is gone.
+  // Forgets the OpenGL objects, if their context is gone.
   void abandon();
 
-  // Finds which share of the draws' light is left. The masks are those of a view of the service. All state is changed.
+  // Computes the share of the draws' light that is left, by the masks of a view of the service. Changes all state.
   void light(const ShadowInputs& inputs, Service& service, uint32_t view);
-  // A texture, from the framebuffer's first pixel on: red, green and blue are that share; alpha is how much fog lies over it.
+  // Returns a texture that begins at the framebuffer's first pixel: red, green and blue are that share, alpha the fog.
   GLuint left() const { return left_; }
-  // Multiplies the picture by it.
+  // Multiplies the picture by the share.
   void darken(const ShadowInputs& inputs);
-  // Counts the pixels that are darkened without doing so.
+  // Counts the pixels that darken() would darken, and leaves the picture unchanged.
   void count(const std::array<GLint, 4>& viewport);
-  // Draws white where the picture is darkened.
+  // Draws white where light is missing.
   void mark(const std::array<GLint, 4>& viewport);
-  // Pixels that the last darken() or count() has found. Waits for it.
+  // Returns the pixels that the last darken() or count() found. Waits for the GPU.
   uint64_t pixels();
 
  private:
@@ -55,7 +55,7 @@ class Shadows {
 
   GLuint receivers_ = 0, cover_ = 0;  // programs
   GLuint framebuffer_ = 0, lit_ = 0, left_ = 0, query_ = 0;
-  GLuint nearest_ = 0;  // depth: behind what is thin, its far side is near enough to be taken for it
+  GLuint nearest_ = 0;  // depth of the nearest surfaces, because masks cannot tell the far side of thin draws from them
   GLint width_ = 0, height_ = 0;
   float fog_color_[3] = {};
   bool asked_ = false;
