@@ -75,7 +75,7 @@ Drawer::Side& Drawer::side_of(size_t index) {
   return side;
 }
 
-// On a GPU what moves is drawn whole within a budget, however long pictures at rest take.
+// Returns whether the view is drawn whole within a budget: on a GPU moving views are, however slow they are at rest.
 bool Drawer::keeps_budget(const View& view, Way way) const {
   return view.is_moving && shown_.budget_ms > 0 && way != Way::reference;
 }
@@ -90,9 +90,11 @@ bool Drawer::is_slow(Way way) const {
 void Drawer::learn(const View& view, Way way, const Frame& frame) {
   Speed& speed = speeds_[static_cast<size_t>(way)];
   const bool keeps = keeps_budget(view, way);
-  // A motion that was too slow for whole pictures may be the one in which everything was uploaded: the next one begins anew.
+  // Forgets the speed of motion: a motion may have been slow only because it uploaded everything.
   if (!frame.is_preview && !keeps) speed.moving_ns_per_pixel = 0;
-  double& known = frame.is_preview ? speed.preview_ns_per_pixel : keeps ? speed.moving_ns_per_pixel : speed.ns_per_pixel;
+  double& known = frame.is_preview ? speed.preview_ns_per_pixel
+                  : keeps          ? speed.moving_ns_per_pixel
+                                   : speed.ns_per_pixel;
   const double found = frame.ms * ns_per_ms / (static_cast<double>(frame.width) * frame.height);
   known = known == 0 ? found : 0.7 * known + 0.3 * found;
 }

@@ -73,9 +73,9 @@ class Drawer {
   std::array<Side, sides> sides_;
   Shown shown_;
   struct Speed {
-    // Of whole pictures at rest, of those that move within a budget, and of previews; 0: not known yet.
+    // For whole pictures at rest, for whole pictures that move within a budget, and for previews; 0: not known yet.
     double ns_per_pixel = 0, moving_ns_per_pixel = 0, preview_ns_per_pixel = 0;
-    uint32_t preview_step = 0;  // a preview is this many times smaller a side
+    uint32_t preview_step = 0;  // each side of a preview is this many times shorter
   };
   std::array<Speed, way_count> speeds_;
   struct Inspected {

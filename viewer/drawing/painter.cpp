@@ -69,7 +69,7 @@ Planes colors_of(const Picture& picture) {
   return {floats_of(picture, "R"), floats_of(picture, "G"), floats_of(picture, "B")};
 }
 
-// Some rows of a picture as they are displayed.
+// Converts some rows of a picture to display values.
 void develop_rows(const Planes& planes, const lab::Display& display, uint32_t first, uint32_t last, Frame& frame) {
   scenes::Image rows{frame.width, last - first, {}, true};
   const size_t begin = size_t{first} * frame.width, end = size_t{last} * frame.width;
@@ -82,7 +82,7 @@ void develop_rows(const Planes& planes, const lab::Display& display, uint32_t fi
   std::copy(bytes.begin(), bytes.end(), frame.rgb.begin() + static_cast<std::ptrdiff_t>(3 * begin));
 }
 
-// On all cores: exact powers of all pixels take one core longer than a picture in motion may take.
+// Converts a picture to display values on all cores. Exact powers would take one core too long for a view that moves.
 void develop(const Planes& planes, const lab::Display& display, Frame& frame) {
   constexpr uint32_t least_rows = 16;
   frame.display.resize(size_t{3} * frame.width * frame.height);

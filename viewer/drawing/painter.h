@@ -1,4 +1,4 @@
-// Draws views, each way of drawing with a renderer of its own, so that each has a past of its own. One thread, but for cancel().
+// Draws views. Each way of drawing has a renderer of its own, and with it a history. One thread, except for cancel().
 #pragma once
 
 #include <array>
@@ -12,11 +12,11 @@
 
 namespace sideray::viewer {
 
-// How a picture of a view is drawn beside what the view says.
+// Says how a picture of a view is drawn, besides what the view says.
 struct Effort {
   uint32_t width = 0, height = 0;
   bool is_preview = false;
-  bool is_draft = false;   // what is not set is chosen to be fast, but for refraction
+  bool is_draft = false;   // options that are not set are fast ones, except for refraction
   float budget_ms = 0;     // 0: the view's own
 };
 
@@ -24,13 +24,13 @@ class Painter {
  public:
   explicit Painter(Machine& machine) : machine_(machine) {}
 
-  // The next picture of a side: of a view that stands still the one that is a position better. Throws Error.
+  // Draws the next picture of a side. For a view at rest it has one more position. Throws Error.
   std::shared_ptr<Frame> paint(const View& view, Way way, const Effort& effort);
-  // Ends the picture that is being drawn, if one is: paint() throws Error (CANCELLED). Any thread.
+  // Cancels the picture that is being drawn, if there is one: paint() throws Error (CANCELLED). Any thread.
   void cancel();
 
  private:
-  // The sums of the pictures of a reference so far.
+  // Holds the sums of a reference's pictures so far.
   struct Refined {
     uint64_t number = 0;
     uint32_t width = 0, height = 0, positions = 0;

@@ -120,7 +120,7 @@ void Application::take_scene() {
   state_.touch();
 }
 
-// As the words say with which the window was started.
+// Shows the first view that the command line names.
 void Application::take_first_view() {
   const std::string eye = arguments_.text("eye"), camera = arguments_.text("camera");
   if (!eye.empty()) {
@@ -128,7 +128,8 @@ void Application::take_first_view() {
     state_.navigation.look({from[0], from[1], from[2]}, {to[0], to[1], to[2]}, arguments_.number("fov", 45));
   } else if (!camera.empty()) {
     const auto& cameras = state_.view.scene->content().cameras;
-    const auto at = std::find_if(cameras.begin(), cameras.end(), [&](const scenes::Camera& c) { return c.name == camera; });
+    const auto at =
+        std::find_if(cameras.begin(), cameras.end(), [&](const scenes::Camera& c) { return c.name == camera; });
     state_.navigation.follow(at != cameras.end() ? static_cast<size_t>(at - cameras.begin())
                                                  : static_cast<size_t>(arguments_.number("camera", 0)));
   }
