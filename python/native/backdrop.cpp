@@ -128,11 +128,12 @@ void by_rows(py::ssize_t height, py::ssize_t width, py::ssize_t threads, const W
   work(py::ssize_t{0}, height / parts);
 }
 
-// Numbers of 0 to 1 as they are, in 256 steps.
+// Quantizes a number from 0 to 1 linearly, in 256 steps.
 uint8_t byte_of(float value) { return static_cast<uint8_t>(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f); }
 
-// Where nothing hides it, `added` is added and the sky times `sky_share`. planes: R, G, B, A. A pixel's direction is corner +
-// column * across + row * down. haze: the fields of Haze. Returns (height, width, 3), float32, or uint8 with as_bytes.
+// Adds `added`, and the sky times `sky_share`, where nothing hides them. planes: R, G, B, A. A pixel's direction is
+// corner + column * across + row * down. haze: the fields of Haze. Returns (height, width, 3), float32, or uint8 with
+// as_bytes.
 py::array with_backdrop(const std::vector<Array<float>>& planes, const Array<double>& added,
                         const std::optional<Array<uint8_t>>& faces, double sky_share, bool srgb, const Array<double>& corner,
                         const Array<double>& across, const Array<double>& down, py::ssize_t threads,
