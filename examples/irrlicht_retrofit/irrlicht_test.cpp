@@ -121,7 +121,7 @@ TEST_F(Retrofitted, LateAnswersArriveAndSettle) {
   EXPECT_LT(apart(waited, late), 0.3);
 }
 
-// At rest it comes to the picture without a budget.
+// A view at rest converges to the picture without a budget.
 TEST_F(Retrofitted, ABudgetLeavesNothingWithoutAnswersForLong) {
   Picture whole;
   {
@@ -137,7 +137,7 @@ TEST_F(Retrofitted, ABudgetLeavesNothingWithoutAnswersForLong) {
   EXPECT_LT(apart(whole, settled), 0.3);
 }
 
-// The engine is left-handed and its triangles are clockwise: turned around, it is lit as the engine lights it.
+// The engine is left-handed and its triangles are clockwise. From any side it must be lit as by the engine.
 TEST_F(Retrofitted, IsLeftHandedFromEverySide) {
   room.show_smoke(false);
   for (const float degrees : {0.0f, 140.0f, 250.0f}) {
@@ -152,7 +152,7 @@ TEST_F(Retrofitted, IsLeftHandedFromEverySide) {
   }
 }
 
-// The banner waves while answers come late and by pieces.
+// The banner waves while answers come late and in pieces.
 TEST_F(Retrofitted, AnimationGoesOnLateAndUnderABudget) {
   for (const float budget_ms : {0.0f, 8.0f}) {
     sideray_irrlicht::Settings settings;
