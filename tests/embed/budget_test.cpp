@@ -77,7 +77,7 @@ TEST_F(Budget, ThatIsTooSmallLetsEveryJobGoOn) {
   size_t frames = 1;
   while (late(before) > 0 && frames < 2000) {
     sideray_frame_stats now{};
-    for (size_t job = 0; job < bridge::job_count; ++job, ++frames) now = trace(service, in);  // each has its turn
+    for (size_t job = 0; job < bridge::job_count; ++job, ++frames) now = trace(service, in);  // a turn for each
     EXPECT_TRUE(before.pixels_late == 0 || now.pixels_late < before.pixels_late) << frames;
     EXPECT_TRUE(before.mask_pixels_late == 0 || now.mask_pixels_late < before.mask_pixels_late) << frames;
     before = now;
@@ -177,7 +177,7 @@ TEST(FrameBudgets, GoToThoseThatHaveMoreToDo) {
   EXPECT_LT(ms(turn.stop - now), 0.4 * ms(end - now));
 }
 
-// Where there is no time for any, one job of all views that share the budget traces a piece, the one that waited longest.
+// Without time for any job, one job of all views that share the budget traces a piece: the one that waited longest.
 TEST(FrameBudgets, ThatAreSpentLetJobsTakeTurns) {
   constexpr uint32_t views = 3;
   constexpr size_t jobs = bridge::job_count, all = views * jobs;

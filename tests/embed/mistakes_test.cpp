@@ -214,7 +214,7 @@ class Misses : public testing::TestWithParam<int> {
     in.frame.source.mask = mask;
     host.trace(in);
   }
-  // How many fragments of the pane there are for each reason, by occlusion queries.
+  // Counts the pane's fragments for each reason, by occlusion queries.
   std::vector<uint32_t> count(const gl::Program& counter, glm::vec3 offset) {
     std::vector<uint32_t> counts;
     for (int reason = 0; reason <= 6; ++reason) {
@@ -233,7 +233,7 @@ class Misses : public testing::TestWithParam<int> {
     const GlassHost::Picture picture = host.draw(debug_, GetParam(), GlassHost::clip_from_world(), offset);
     return static_cast<size_t>(std::count(picture.begin(), picture.end(), glm::vec4(color, 1)));
   }
-  // All fragments have this reason, but for those beside what was traced; the same where they are looked up by a place before.
+  // Expects this reason for all fragments, except outside the traced picture; so, too, by look-ups of moving fragments.
   void expect_all(size_t reason, glm::vec3 color, glm::vec3 offset = glm::vec3(0)) {
     const std::vector<uint32_t> counts = count(counter_, offset);
     EXPECT_EQ(count(moving_counter_, offset), counts);

@@ -257,14 +257,16 @@ TEST_P(MovingMasks, OfAViewThatStandsStillAreThoseOfThePixels) {
   EXPECT_EQ(answered, drawn);
 }
 
-// The calls that search by themselves, for shaders with one light.
+// Functions that include the search, for shaders with one light, give the same results.
 TEST_P(MovingMasks, AreTheSameByOneCall) {
   trace(0.3);
   const auto by_one_call = program(
-      "vec4(sideray_shadow_moving(0, before), sideray_ao_moving(before), float(sideray_explain_masks_moving(before)), 1.0)");
+      "vec4(sideray_shadow_moving(0, before), sideray_ao_moving(before), "
+      "float(sideray_explain_masks_moving(before)), 1.0)");
   const auto of_color = program("vec4(sideray_shadow_color_moving(0, before).g, sideray_ao_moving(before), 0.0, 1.0)");
   const std::vector<glm::vec3> before = middles_of_masks();
-  const std::vector<Look> found = draw(*moving_, 0.5, before), one = draw(*by_one_call, 0.5, before), color = draw(*of_color, 0.5, before);
+  const std::vector<Look> found = draw(*moving_, 0.5, before), one = draw(*by_one_call, 0.5, before),
+                          color = draw(*of_color, 0.5, before);
   size_t dark = 0;
   for (size_t i = 0; i < pixels; ++i) {
     if (found[i].reason < 0) continue;

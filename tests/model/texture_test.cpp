@@ -15,7 +15,7 @@ std::vector<uint8_t> noise(size_t texels) {
   return rgba;
 }
 
-// Whatever the size, no texel is lost on the way to the last level: noise whose left half is brighter has the mean of the whole.
+// For any size the last level is the mean of all texels, here of noise whose left half is brighter.
 TEST(Texture, every_texel_counts_alike_in_the_last_level) {
   for (const auto& [width, height] : {std::pair{64u, 32u}, {100u, 100u}, {3u, 3u}, {127u, 5u}, {1u, 7u}, {31u, 1u}}) {
     std::vector<uint8_t> rgba = noise(size_t{width} * height);
@@ -27,7 +27,8 @@ TEST(Texture, every_texel_counts_alike_in_the_last_level) {
     const auto texture = build_texture(width, height, SIDERAY_RGBA8, rgba.data());
     const Texture::Level& last = texture->levels.back();
     ASSERT_EQ(last.rgba.size(), 4u);
-    for (size_t c = 0; c < 4; ++c) EXPECT_NEAR(last.rgba[c], mean[c], 2.5) << width << "x" << height << " channel " << c;
+    for (size_t c = 0; c < 4; ++c)
+      EXPECT_NEAR(last.rgba[c], mean[c], 2.5) << width << "x" << height << " channel " << c;
   }
 }
 

@@ -11,7 +11,7 @@
  *   stencil       what is drawn after the pane is drawn where the stencil says that the pane is
  *   solid         the pane's alpha is 1
  *   hanging       an opaque box hangs between the sun and the pane
- *   thin          a thin tile, far away, turns its back to the sun and its front to the eye
+ *   thin          a thin tile, far away, faces the eye and has its back to the sun
  *   water         a blended square lies above the floor, to the right
  *   object, eye, sphere   a textured box stands on the eye's side, its coordinates by glTexGen; with
  *   explicit      they are those of its vertices, and the same

@@ -23,7 +23,7 @@ class LateSequence : public testing::TestWithParam<const char*> {
     options_.translucency->whole_pixels = 1;
     options_.shadows->method = SIDERAY_SHADOWS_EXACT;
     options_.picture.denoise = 0;
-    options_.picture.ambient = SIDERAY_AMBIENT_AO;  // unfiltered light that bounces has no history
+    options_.picture.ambient = SIDERAY_AMBIENT_AO;  // because unfiltered bounced light has no history
     const scenes::Sky sky = scenes::sky();
     scene_.set_environment(sky.width, sky.height, sky.rgb.data(), 1.0f, 0.0f);
     camera_ = content_.cameras.front().camera;

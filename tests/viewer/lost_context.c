@@ -1,10 +1,11 @@
-/* A library that is loaded before all others and lets an OpenGL context of the window be lost, once a file is there:
+/* A preloaded library that makes the window lose an OpenGL context as soon as a file exists:
  *
  *   SIDERAY_LOSE_WINDOW=FILE    the context in which pictures are shown (GLX)
- *   SIDERAY_LOSE_RENDERER=FILE  the next one in which pictures are drawn (EGL); the file is removed
+ *   SIDERAY_LOSE_RENDERER=FILE  the next context in which pictures are drawn (EGL); the file is removed
  *
- * No driver in software loses contexts, so that glGetGraphicsResetStatus() says that one was reset. With SIDERAY_LOSE_BY_FAULT, on a
- * GPU of NVIDIA, a shader writes to an address that is nobody's, and the driver's own answer is given. */
+ * Software drivers never lose a context, so the library makes glGetGraphicsResetStatus() report a reset. With
+ * SIDERAY_LOSE_BY_FAULT, on an NVIDIA GPU, a shader writes to an unmapped address, and the driver's own answer is
+ * returned. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <stdio.h>
@@ -20,7 +21,7 @@ typedef function (*find_function)(const char* name);
 
 static find_function of_window, of_renderer;
 
-/* Shaders that read or write where nothing is. */
+/* Shaders that read or write unmapped memory. */
 static const char* const faults[] = {
     "#version 450\n"
     "#extension GL_NV_gpu_shader5 : enable\n"
@@ -35,7 +36,7 @@ static const char* const faults[] = {
     "layout(std430, binding = 0) buffer Out { vec4 value; };\n"
     "void main() { value = texelFetch(sampler2D(uvec2(0xdeadbeef, 0xdeadbeef)), ivec2(0), 0); }\n"};
 
-/* What the driver says after a fault. */
+/* Runs a faulty shader and returns the driver's reset status. */
 static unsigned lose_by_fault(find_function find, const char* text) {
   const unsigned shader = ((unsigned (*)(unsigned))find("glCreateShader"))(COMPUTE_SHADER);
   ((void (*)(unsigned, int, const char**, const int*))find("glShaderSource"))(shader, 1, &text, NULL);
@@ -86,7 +87,7 @@ static function find_of_renderer(const char* name) {
   return is_status(name) ? (function)status_of_renderer : of_renderer(name);
 }
 
-/* GLFW and Sideray find the driver's functions by way of this one. */
+/* GLFW and Sideray find the driver's functions by dlsym(), so this one replaces it. */
 __attribute__((visibility("default"))) void* dlsym(void* handle, const char* name) {
   static find_symbol real;
   if (!real) *(void**)&real = dlvsym(RTLD_NEXT, "dlsym", "GLIBC_2.2.5");

@@ -1,4 +1,5 @@
-// Points that the driver's fixed function draws and rays hit, by the same lights, materials, colours and textures. Test support.
+// Points that the driver's fixed function draws and rays hit, with the same lights, materials, colours and textures.
+// Test support.
 #pragma once
 
 #include <random>
@@ -61,12 +62,13 @@ class FixedFunction : public testing::Test {
     make_points();
   }
 
-  // `kind`: 0 directional, 1 all around, 2 a spot.
+  // `kind`: 0 directional, 1 point, 2 spot.
   sideray_fixed_light random_light(int kind) {
     sideray_fixed_light light = sideray_fixed_light_defaults();
     light.casts_shadows = 0;
     numbers.color(light.ambient, 0.3f), numbers.color(light.diffuse, 1), numbers.color(light.specular, 1);
-    const glm::vec3 place = glm::normalize(numbers.direction() + glm::vec3(0, 0, 1.2f)) * (kind == 0 ? 1.0f : numbers.in(1, 4));
+    const glm::vec3 place =
+        glm::normalize(numbers.direction() + glm::vec3(0, 0, 1.2f)) * (kind == 0 ? 1.0f : numbers.in(1, 4));
     light.position[3] = kind == 0 ? 0.0 : static_cast<double>(numbers.in(0.3f, 3));
     const double scale = kind == 0 ? 1.0 : light.position[3];
     for (int c = 0; c < 3; ++c) light.position[c] = scale * static_cast<double>(place[c]);
@@ -141,7 +143,8 @@ class FixedFunction : public testing::Test {
   void make_points() {
     const glm::dmat4 world = glm::inverse(clip_from_eye * eye_from_world);
     for (int i = 0; i < point_count; ++i) {
-      const glm::dvec2 ndc((pixel(i).x + 0.5) / GlassHost::width * 2 - 1, (pixel(i).y + 0.5) / GlassHost::height * 2 - 1);
+      const glm::dvec2 ndc((pixel(i).x + 0.5) / GlassHost::width * 2 - 1,
+                           (pixel(i).y + 0.5) / GlassHost::height * 2 - 1);
       const glm::dvec4 at = world * glm::dvec4(ndc, 0.9 + 0.0005 * i / rows, 1);
       Point p{glm::dvec3(at) / at.w, {}, {}};
       const glm::vec3 to_eye(glm::normalize(eye - p.place));
@@ -176,7 +179,7 @@ class FixedFunction : public testing::Test {
     return picture;
   }
 
-  // Small quads around the points, as one mesh.
+  // Returns small quads around the points, as one mesh.
   sideray_mesh quads(bool colored) {
     std::vector<glm::vec3> positions, normals;
     std::vector<glm::vec4> colors;
@@ -225,7 +228,7 @@ class FixedFunction : public testing::Test {
     in.frame.source.framebuffer = 0, in.frame.source.depth_renderbuffer = depth_.id();
     return in;
   }
-  // Traces them: RGB and coverage.
+  // Traces the points: RGB and coverage.
   GlassHost::Picture trace(const Look& look) {
     put_in_scene(look);
     FrameInputs in = inputs();
@@ -242,7 +245,7 @@ class FixedFunction : public testing::Test {
     return picture;
   }
 
-  // Compares both to 1/255. At least `least` channels must be neither black nor white.
+  // Expects drawn and traced points to be equal to 1/255. At least `least` channels must be neither black nor white.
   void expect_parity(const Look& look, const std::string& term, size_t least = size_t{3} * point_count / 10) {
     const GlassHost::Picture drawn = draw(look), traced = trace(look);
     float most = 0;
@@ -251,7 +254,8 @@ class FixedFunction : public testing::Test {
       for (int c = 0; c < 4; ++c) {
         const float d = glm::clamp(drawn[texel(i)][c], 0.0f, 1.0f);
         const float off = std::abs(traced[texel(i)][c] - d) / code;
-        EXPECT_LT(off, 1.0f) << term << ": point " << i << " channel " << c << " drawn " << d << " traced " << traced[texel(i)][c];
+        EXPECT_LT(off, 1.0f) << term << ": point " << i << " channel " << c << " drawn " << d << " traced "
+                             << traced[texel(i)][c];
         if (off >= 1.0f) return;
         most = std::max(most, off);
         telling += c < 3 && d > 0.05f && d < 0.98f;
@@ -260,8 +264,9 @@ class FixedFunction : public testing::Test {
     std::printf("  %-40s %.2f codes\n", term.c_str(), static_cast<double>(most));
   }
 
-  // Returns which of 16x16 texels OpenGL draws of a square over 16x16 pixels.
-  std::set<int> drawn_by_alpha(const glm::vec2 (&corners)[4], const std::vector<uint8_t>& texels, float reference) const {
+  // Returns which of the 16x16 texels of a square over 16x16 pixels OpenGL draws.
+  std::set<int> drawn_by_alpha(const glm::vec2 (&corners)[4], const std::vector<uint8_t>& texels,
+                               float reference) const {
     gl.BindFramebuffer(GL_FRAMEBUFFER, host.framebuffer());
     gl.Viewport(0, 0, 16, 16);
     gl.Disable(GL_DEPTH_TEST);
@@ -270,7 +275,8 @@ class FixedFunction : public testing::Test {
     gl.AlphaFunc(GL_GEQUAL, reference);
     gl.Enable(GL_TEXTURE_2D);
     gl.BindTexture(GL_TEXTURE_2D, texture_.id());
-    for (const GLenum filter : {GLenum{GL_TEXTURE_MIN_FILTER}, GLenum{GL_TEXTURE_MAG_FILTER}}) gl.TexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+    for (const GLenum filter : {GLenum{GL_TEXTURE_MIN_FILTER}, GLenum{GL_TEXTURE_MAG_FILTER}})
+      gl.TexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
     gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, 16, 16, 0, GL_RGBA, GL_UNSIGNED_BYTE, texels.data());
     gl.Begin(GL_QUADS);
     gl.Color4f(1, 1, 1, 1);
@@ -284,7 +290,7 @@ class FixedFunction : public testing::Test {
       if (pixels[static_cast<size_t>(i)].x > 0) drawn.insert(i);
     return drawn;
   }
-  // Returns which texels of the same square are hit by a ray through their middle.
+  // Returns which texels of that square are hit by a ray through their middle.
   std::set<int> hit_by_alpha(const glm::vec2 (&corners)[4], sideray_texture texture, float cutoff) {
     glm::vec3 positions[4];
     glm::vec2 uvs[4];

@@ -1,4 +1,4 @@
-// Which reflectance looks right where a host blends what is shown.
+// Finds which reflectance looks right in a host that blends displayed values.
 #include "embed/fixed/fixed_points.h"
 
 namespace sideray::tests {
@@ -24,9 +24,11 @@ class GammaReflections : public FixedFunction {
     int count = 0;
     for (const float mirrored : {0.05f, 0.2f, 0.4f, 0.6f, 0.8f, 1.0f}) {
       const double adds = static_cast<double>(added(reflectance, mirrored));
-      EXPECT_NEAR(adds, static_cast<double>(reflectance * mirrored), 0.002) << "the mirrored picture is mixed as it is shown";
+      EXPECT_NEAR(adds, static_cast<double>(reflectance * mirrored), 0.002)
+          << "the mirrored picture is mixed as it is shown";
       for (double behind = 0; behind <= 1; behind += 0.05, ++count) {
-        const double light = (1 - static_cast<double>(share)) * std::pow(behind, 2.2) + static_cast<double>(share) * std::pow(static_cast<double>(mirrored), 2.2);
+        const double light = (1 - static_cast<double>(share)) * std::pow(behind, 2.2) +
+                             static_cast<double>(share) * std::pow(static_cast<double>(mirrored), 2.2);
         const double off = (1 - static_cast<double>(reflectance)) * behind + adds - std::pow(light, 1 / 2.2);
         sum += off * off;
       }

@@ -1,4 +1,4 @@
-// What glass of the fixed function shows: shadows, sides, the fast ways; and what is refused.
+// Tests what glass of the fixed function shows: shadows, both sides, shortcuts; and which input is refused.
 #include <gmock/gmock.h>
 
 #include "embed/hosts/glass_host.h"
@@ -115,7 +115,7 @@ TEST_F(FixedPane, HasTheFastWays) {
     GlassHost::Picture picture(exact.size());
     host.gl.BindTexture(GL_TEXTURE_2D, whole);
     host.gl.GetTexImage(GL_TEXTURE_2D, 0, GL_RGBA, GL_FLOAT, picture.data());
-    constexpr size_t inside = middle + 9;  // of a triangle
+    constexpr size_t inside = middle + 9;  // inside a triangle
     EXPECT_NEAR(picture[inside].x, 0.5f * reused[inside].x, code) << "half of it covers";
   }
 }
@@ -166,7 +166,9 @@ TEST_F(FixedPane, WhatItIsGivenIsChecked) {
     EXPECT_THAT(error.message, testing::HasSubstr(what));
   };
   const auto set_light = [&] { return sideray_scene_set_fixed_function(scene, &model_, &error); };
-  const auto set_material = [&] { return sideray_scene_set_fixed_material(scene, host.pane_desc().material, &material_, &error); };
+  const auto set_material = [&] {
+    return sideray_scene_set_fixed_material(scene, host.pane_desc().material, &material_, &error);
+  };
   light_.spot_cutoff_deg = 120;
   refused(set_light(), "spot_cutoff_deg is 120; give 0 to 90, or 180");
   light_.spot_cutoff_deg = 180, light_.constant_attenuation = 0;

@@ -1,10 +1,10 @@
-// A scene of the fixed function against what the driver's fixed function makes of the same, term by term.
+// Compares scenes of the fixed function, term by term, with the driver's own fixed function.
 #include "embed/fixed/fixed_points.h"
 
 namespace sideray::tests {
 namespace {
 
-// Tests one term each.
+// Each test isolates one term.
 class FixedTerms : public FixedFunction {
  protected:
   FixedTerms() {
@@ -113,7 +113,7 @@ TEST_F(FixedFunction, LeftHandedWorldsLookTheSame) {
   EXPECT_GT(apart(trace(look)), 10.0f) << "counter-clockwise triangles show their backs there";
 }
 
-// glAlphaFunc(GL_GEQUAL, ...) is SIDERAY_MASK: rays hit just those of all 256 alphas that OpenGL draws.
+// glAlphaFunc(GL_GEQUAL, ...) is SIDERAY_MASK: of all 256 alphas rays hit exactly the ones that OpenGL draws.
 TEST_F(FixedFunction, AlphaTest) {
   constexpr int side = 16;
   std::vector<uint8_t> texels(size_t{4} * side * side, 255);
@@ -131,11 +131,13 @@ TEST_F(FixedFunction, AlphaTest) {
 }
 
 TEST_F(FixedFunction, AllOfItTogether) {
-  constexpr uint32_t follows[] = {0, SIDERAY_FOLLOW_AMBIENT, SIDERAY_FOLLOW_DIFFUSE, SIDERAY_FOLLOW_AMBIENT_AND_DIFFUSE};
+  constexpr uint32_t follows[] = {0, SIDERAY_FOLLOW_AMBIENT, SIDERAY_FOLLOW_DIFFUSE,
+                                  SIDERAY_FOLLOW_AMBIENT_AND_DIFFUSE};
   for (int round = 0; round < 12; ++round) {
     Look look;
     for (size_t i = 0; i < most_lights; ++i) look.lights.push_back(random_light((round + static_cast<int>(i)) % 3));
-    numbers.color(look.material.ambient, 1), numbers.color(look.material.diffuse, 1), numbers.color(look.material.specular, 1);
+    numbers.color(look.material.ambient, 1), numbers.color(look.material.diffuse, 1),
+        numbers.color(look.material.specular, 1);
     numbers.color(look.material.emission, 0.2f);
     look.material.shininess = numbers.in(0.5f, 128);  // drivers differ on 0 to the power of 0
     look.model.local_viewer = round % 2;
@@ -144,7 +146,8 @@ TEST_F(FixedFunction, AllOfItTogether) {
     look.colored = round % 3 != 0, look.material.follows_color = follows[round % 4];
     look.textured = round % 3 != 1;
     look.material.environment = static_cast<sideray_texture_environment>(round / 3 % 4);
-    expect_parity(look, "round " + std::to_string(round), look.material.environment == SIDERAY_ENVIRONMENT_ADD ? 0 : 50);
+    expect_parity(look, "round " + std::to_string(round),
+                  look.material.environment == SIDERAY_ENVIRONMENT_ADD ? 0 : 50);
   }
 }
 

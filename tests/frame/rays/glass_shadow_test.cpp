@@ -34,9 +34,9 @@ struct Stage {
   double angle_deg = 0;    // of the light to the normal
 };
 
-// alone: rays without OpenGL; layers: the floor is a translucent surface itself, of which layers are traced; maps: no
-// rays at all; veil: the same, of a floor that half the light passes; paths: without the caustics of lamps, above a floor
-// so dark that little of what it throws back returns; off: nothing translucent is drawn.
+// alone: rays without OpenGL; layers: the floor is itself translucent and has traced layers; maps: no rays at all;
+// veil: maps, and a floor that lets half the light pass; paths: without caustics of lamps, above a floor so dark that
+// it reflects little light; off: no translucent surface is drawn.
 enum class Way { hybrid, alone, raytraced, reference, soft, layers, maps, veil, paths, off, off_maps };
 constexpr Way ways[] = {Way::hybrid, Way::alone, Way::raytraced, Way::reference,
                         Way::soft,   Way::layers, Way::maps,     Way::veil};
@@ -79,7 +79,7 @@ Renderer* new_renderer(const char* gl) {
   return new Renderer(Renderer::create(desc).value());
 }
 
-// One for all pictures of a way: contexts and shaders take longer than they do.
+// Shares a renderer among the pictures of a way, because contexts and shaders take longer than pictures.
 Renderer& shared_renderer(Way way) {
   static Renderer &any = *new_renderer("auto"), &alone = *new_renderer("none");
   return way == Way::alone ? alone : any;
@@ -191,7 +191,8 @@ TEST(GlassShadow, SlabsKeepWhatFresnelAndBeerSay) {
 
 void expect_paths(const Stage& stage, const Colour& expected, const std::string& what) {
   const Colour behind = floor_of(stage, Way::paths), lit = open_floor(stage.angle_deg, Way::paths);
-  for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(behind[c] / lit[c], expected[c], 0.01) << "paths: " << what << ", channel " << c;
+  for (size_t c = 0; c < 3; ++c)
+    EXPECT_NEAR(behind[c] / lit[c], expected[c], 0.01) << "paths: " << what << ", channel " << c;
 }
 
 TEST(GlassShadow, ThinWallsAndCoverTintToo) {
@@ -227,7 +228,8 @@ TEST(GlassShadow, LiquidsNest) {
     for (size_t c = 0; c < 3; ++c)
       expected[c] = faces * std::pow(static_cast<double>(blue[c]), 0.75 / cosine) *
                     std::pow(static_cast<double>(colour[c]), 0.25 / cosine / attenuation_distance);
-    const Stage marble{{{1, 2, glass(1.33f, blue, 1)}, {1.4, 1.65, glass(1.5f, colour, attenuation_distance)}}, false, angle};
+    const Stage marble{
+        {{1, 2, glass(1.33f, blue, 1)}, {1.4, 1.65, glass(1.5f, colour, attenuation_distance)}}, false, angle};
     expect_shadow(marble, expected, "nested at " + std::to_string(angle), false);
     expect_paths(marble, expected, "nested at " + std::to_string(angle));
   }

@@ -15,8 +15,9 @@ Setup raster_look() {
   return setup;
 }
 
-// Most of what is left are edges and texels of what is opaque: of `solids` without its glass FLIP is .017, of `haze` .018.
-// Maps tint a pane by all others of its texel, rays by those toward the light: `panes` .0375 and `crossing` .0586 apart.
+// Most of the difference lies at edges and texels of opaque surfaces: without its glass `solids` has FLIP .017, `haze`
+// .018. Maps tint a pane by all other panes of its texel, rays only by panes toward the light: `panes` differs by .0375
+// and `crossing` by .0586.
 TEST(RasterLookByRays, LooksLikeTheRasterizer) {
   struct Case {
     const char* scene;

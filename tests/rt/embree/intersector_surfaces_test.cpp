@@ -173,7 +173,7 @@ TEST(RayEnds, AreComparedWithTheRecomputedDistance) {
   }
 }
 
-// What can have holes is no wall, wherever it is hit.
+// A surface that may have holes is no wall, wherever rays hit it.
 TEST(OpaqueSets, HaveWallsWithoutHoles) {
   SceneBuilder scene;
   scene.add_material(false);
@@ -184,7 +184,8 @@ TEST(OpaqueSets, HaveWallsWithoutHoles) {
     place[3].x = 3.0f * static_cast<float>(material);
     scene.add_instance(mesh, material, place);
   }
-  const std::vector<Ray> rays{ray_to({0.3f, 0.2f, 5.0f}, {0.3f, 0.2f, 0.0f}), ray_to({3.3f, 0.2f, 5.0f}, {3.3f, 0.2f, 0.0f})};
+  const std::vector<Ray> rays{ray_to({0.3f, 0.2f, 5.0f}, {0.3f, 0.2f, 0.0f}),
+                              ray_to({3.3f, 0.2f, 5.0f}, {3.3f, 0.2f, 0.0f})};
   for (const char* isa : kernel_sets()) {
     Intersector intersector(isa);
     intersector.set_scene(scene.snapshot);

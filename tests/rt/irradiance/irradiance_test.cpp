@@ -331,8 +331,8 @@ TEST(Irradiance, ThatIsCarriedAlongMovesWithItsSurface) {
   }
 }
 
-// A frame without time for a row shows what was shown, and traces nothing; the next row that is traced goes on with the samples
-// of before.
+// A frame without time for a row traces nothing and shows the reprojected image. The next traced row goes on with the
+// samples from before.
 TEST(Irradiance, WithoutTimeForARowIsCarriedAlong) {
   Tracer tracer({2, ""});
   tracer.set_scene(furnace(0.5f, glm::vec3(1.0f)));

@@ -53,7 +53,7 @@ glm::vec3 mean(const std::vector<glm::vec3>& values) {
   return sum / static_cast<float>(values.size());
 }
 
-// A floor beside a bright wall.
+// Adds a floor beside a bright wall.
 void add_floor_and_wall(TestScene& scene) {
   scene.quad({0, -2, 0}, {50, 0, 0}, {0, 0, 50}, matt(0.5f));
   scene.quad({4, 0, 0}, {0, 2, 0}, {0, 0, 50}, matt(0.7f, glm::vec3(1.0f, 0.5f, 0.2f)));
@@ -151,7 +151,7 @@ TEST(LightAround, IsTheSameForTheSameBatch) {
   EXPECT_EQ(hits.shade({0, 0, 0}, {0, -1, 0}, true), hits.shade({0, 0, 0}, {0, -1, 0}, true));
 }
 
-// What a pixel shows little of costs few paths, and is as bright.
+// Points that weigh little in their pixel cost few paths, and are as bright.
 TEST(LightAround, OfWhatWeighsLittleCostsLittle) {
   TestScene scene;
   add_floor_and_wall(scene);

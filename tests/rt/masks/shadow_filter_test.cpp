@@ -370,8 +370,8 @@ TEST(ShadowFilter, lights_at_once_have_the_bits_of_each_alone) {
   }
 }
 
-// Red, green and blue of a tint name one image of distances, and have the bits of each filtered alone where each is
-// tinted where any is.
+// Red, green and blue of a tint name one image of distances. If all three are tinted in the same pixels, each has the
+// bits of a filter of its own.
 TEST(ShadowFilter, colours_of_one_light_have_the_bits_of_each_alone) {
   Executor executor(3);
   std::array<ShadowFilter, 3> together, alone;

@@ -97,7 +97,7 @@ sideray_material_desc random_material(std::mt19937& random) {
 
 enum class Sky { noise, uniform };
 
-// Quads of many materials under one light of each type and a sky; looked at from everywhere.
+// Quads of many materials under a sky and one light of each type, hit from all sides.
 struct Scenario {
   explicit Scenario(size_t count, Sky kind = Sky::noise) {
     std::mt19937 random(3);
