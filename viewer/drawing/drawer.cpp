@@ -99,8 +99,8 @@ void Drawer::learn(const View& view, Way way, const Frame& frame) {
   known = known == 0 ? found : 0.7 * known + 0.3 * found;
 }
 
-// Of the sides that are not done the one that has had the least time: both are looked at beside each other, and a reference
-// does not hold up what it is compared with.
+// Returns the unfinished side that has had the least time, so that a slow reference does not hold up the side that is
+// compared with it.
 std::optional<size_t> Drawer::next_side() {
   if (!view_.scene || view_.width == 0 || view_.height == 0) return {};
   std::optional<size_t> next;
@@ -128,7 +128,7 @@ bool Drawer::inspects() const {
   return !shown_.inspection || shown_.inspection->number != view_.number || shown_.inspection->pixel != *view_.inspected;
 }
 
-// The step changes where the time is far from what is wanted only: pictures of one size have a past in common.
+// Changes the step only if the time is far from the goal, because only pictures of one size share a history.
 Effort Drawer::preview_effort(Way way) {
   Speed& speed = speeds_[static_cast<size_t>(way)];
   if (speed.preview_ns_per_pixel == 0) return smaller(view_, first_step);
@@ -230,7 +230,8 @@ void Drawer::draw_previews() {
   }
 }
 
-// At once, and then after 1, 2, 4, ... positions: a map takes about as long as a picture. Whether there is a new one.
+// Makes a map of differences at once, and then after 1, 2, 4, ... positions, because a map takes about as long as a
+// picture. Returns whether there is a new map.
 bool Drawer::compare(std::unique_lock<std::mutex>& lock) {
   const auto a = shown_.frames[0], b = shown_.frames[1];
   if (!view_.wants_map || view_.shown_sides < 2 || !a || !b || a->number != view_.number || b->number != view_.number) return false;

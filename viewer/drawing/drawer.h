@@ -1,5 +1,6 @@
-// Draws what the window wants to see, on threads of its own: one draws whole pictures, and one, while these take long, smaller
-// ones in time. Other than stated, its calls are the window's thread's and never wait for a picture.
+// Draws the window's pictures on two threads of its own: one draws whole pictures; the other draws smaller previews in
+// time, while whole pictures take long. Unless stated, only the window's thread calls it, and calls never wait for a
+// picture.
 #pragma once
 
 #include <atomic>
@@ -17,12 +18,13 @@ class Drawer {
  public:
   // `wake` is called on any thread when there is something new.
   Drawer(Machine& machine, std::function<void()> wake);
-  // Ends the pictures that are being drawn.
+  // Cancels the pictures that are being drawn.
   ~Drawer();
 
-  // Ends a picture of another view that takes long. Is called again and again, since a picture that only begins does not end.
+  // Shows a view, and cancels a slow picture of another view. Call it every frame: a picture that has only begun cannot
+  // be cancelled.
   void show(const View& view);
-  // Ends the pictures that are being drawn, and begins none; is_idle() then says when they have ended. Likewise.
+  // Cancels the pictures being drawn and begins none; is_idle() says when they have ended. Call it every frame.
   void stop();
   bool is_idle() const;
 
@@ -32,18 +34,18 @@ class Drawer {
     std::shared_ptr<const Inspection> inspection;
     std::array<std::string, sides> errors;  // why a side cannot be drawn; "" = it can
     std::string device;                     // "" until it is known
-    float budget_ms = 0;                    // of moving pictures, where nothing else is set; 0 = smaller ones are drawn
-    uint64_t pictures = 0;                  // that were drawn since the window was opened
+    float budget_ms = 0;                    // default for moving pictures; 0 = smaller pictures are drawn instead
+    uint64_t pictures = 0;                  // drawn since the window was opened
   };
   Shown shown() const;
 
  private:
   struct Side {
-    uint64_t number = 0;           // of the view that the rest is about
+    uint64_t number = 0;           // of the view that the other fields describe
     bool has_picture = false;      // a whole one
     bool has_preview = false;
     bool is_done = false;
-    double spent_ms = 0;           // in whole pictures
+    double spent_ms = 0;           // on whole pictures
   };
 
   void draw_pictures();
@@ -67,8 +69,8 @@ class Drawer {
   std::condition_variable changed_;
   bool stops_ = false;
   size_t busy_ = 0;  // threads that draw
-  Painter whole_, small_;  // of either thread
-  uint64_t whole_of_ = 0;  // the view of which a whole picture is being drawn that takes long; 0: none
+  Painter whole_, small_;  // one for each thread
+  uint64_t whole_of_ = 0;  // number of the view whose slow whole picture is being drawn; 0: none
   View view_;
   std::array<Side, sides> sides_;
   Shown shown_;

@@ -41,7 +41,7 @@ Surface surface_of(const sideray_hit& hit, SceneFile& scene) {
   return surface;
 }
 
-// A value of a channel of SIDERAY_AOV_ANSWERS.
+// Returns a value of a channel of SIDERAY_AOV_ANSWERS.
 std::string words_of(uint32_t answer) {
   if (answer == 1) return "none, as without rays";
   if (answer == 2) return "traced";

@@ -1,14 +1,15 @@
-// Finds what lies behind a pixel. Any thread.
+// Finds the surfaces along the ray of a pixel. Any thread.
 #pragma once
 
 #include "viewer/drawing/view.h"
 
 namespace sideray::viewer {
 
-// `tracer` holds the view's scene at its time.
+// `tracer` must hold the view's scene at the view's time.
 Inspection inspect(Tracer& tracer, const View& view, Pixel pixel);
 
-// What a pixel of the view shows of the rays in a picture of it, and how old that is: one line. The picture may be smaller.
+// Says in one line which ray-traced answers a pixel of the view shows in a picture of it, and how old they are. The
+// picture may be smaller than the view.
 std::string answers_at(const Frame& frame, const View& view, Pixel pixel);
 
 }  // namespace sideray::viewer

@@ -6,7 +6,7 @@
 namespace sideray::viewer {
 namespace {
 
-// Mesa's rasterizers on the CPU.
+// Returns whether a device has no OpenGL, or one of the CPU rasterizers of Mesa.
 bool runs_on_cpu(const sideray_device_info& device) {
   const std::string_view renderer = device.renderer;
   const auto names = {"llvmpipe", "softpipe", "swrast", "Software Rasterizer"};

@@ -1,4 +1,4 @@
-// What draws: the GPU, or where OpenGL is a program on the CPU, rays alone. Any thread.
+// The device that draws: the GPU, or rays alone if OpenGL is software on the CPU. Any thread.
 #pragma once
 
 #include <mutex>
@@ -12,7 +12,7 @@ class Machine {
  public:
   explicit Machine(const Arguments& arguments);
 
-  // For pictures that only the rasterizer can draw, or for any. Throws Error where nothing can.
+  // Makes a renderer for pictures that only the rasterizer can draw, or for any picture. Throws Error if none can.
   Renderer renderer(bool needs_rasterizer);
   Tracer tracer(const Scene& scene) const;
   // The first call looks for devices, which takes a moment.

@@ -54,7 +54,7 @@ uint8_t byte_of(float value) {
   return static_cast<uint8_t>(std::lround(255.0f * std::clamp(value, 0.0f, 1.0f)));
 }
 
-// The planes NAME.a, NAME.b, ... one behind the other; empty where one is missing.
+// Returns the planes NAME.a, NAME.b, ... in this order; empty if one is missing.
 std::vector<const float*> planes_of(const Picture& picture, const Mode& mode, std::initializer_list<const char*> parts) {
   std::vector<const float*> planes;
   for (const char* part : parts) {
@@ -84,7 +84,7 @@ std::vector<uint8_t> directions(const Picture& picture, const Mode& mode, size_t
   return rgb;
 }
 
-// The middle grey is no motion; a pixel is a hundredth of the way to black or white.
+// Middle grey is no motion; each pixel of motion is a hundredth of the way to black or white.
 std::vector<uint8_t> offsets(const Picture& picture, const Mode& mode, size_t pixels) {
   std::vector<uint8_t> rgb;
   const auto planes = planes_of(picture, mode, {".X", ".Y"});
@@ -95,7 +95,8 @@ std::vector<uint8_t> offsets(const Picture& picture, const Mode& mode, size_t pi
   return rgb;
 }
 
-// Near is light, far is dark, by the logarithm between the nearest and the farthest hundredth; nothing is black.
+// Near is light and far is dark, on a logarithmic scale between the nearest and the farthest hundredth of the pixels;
+// black means that nothing is hit.
 std::vector<uint8_t> distances(const float* z, size_t pixels) {
   std::vector<float> finite;
   for (size_t i = 0; i < pixels; ++i)
@@ -116,7 +117,7 @@ std::vector<uint8_t> shares(const float* values, size_t pixels) {
   return rgb;
 }
 
-// Colours of numbers, far apart for neighbours; 0 is black.
+// Returns a colour for a number; consecutive numbers have very different ones. 0 is black.
 std::vector<uint8_t> hashes(const uint32_t* values, size_t pixels) {
   std::vector<uint8_t> rgb;
   for (size_t i = 0; i < pixels; ++i) {

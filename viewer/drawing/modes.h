@@ -1,4 +1,4 @@
-// What of a picture is shown: its colours, or one of its other channels in colours that tell values apart. Any thread.
+// Modes of display: a picture's colours, or one of its other channels in false colours. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -12,23 +12,23 @@ enum class Coloring : uint8_t { color, direction, distance, share, number, count
 
 struct Mode {
   const char* name;
-  const char* group;    // what it tells of
+  const char* group;    // the subject that it belongs to
   uint32_t aov;         // a SIDERAY_AOV_* bit; 0: the colours themselves
-  const char* channel;  // "Z"; of several the name without what is behind the last dot: "N"
+  const char* channel;  // "Z"; for N.X, N.Y, N.Z the part before the dot: "N"
   Coloring coloring;
-  bool is_lit;  // it is found while colours are drawn, and not without
+  bool is_lit;  // the channel exists only if colours are drawn, too
 };
 
-// What the colours of ages mean.
+// Explains the colours of ages.
 constexpr const char* age_legend = "green: traced for this picture, yellow to red: earlier, violet: as without rays, black: asks for none";
 
-// The first one is the colours.
+// Returns all modes; the first one shows the colours.
 std::span<const Mode> modes();
 
-// Three bytes a pixel, top row first; empty where the picture has no such channel.
+// Returns three bytes a pixel, top row first; empty if the picture has no such channel.
 std::vector<uint8_t> shown(const Picture& picture, const Mode& mode);
 
-// The channel of that name as floats; NULL where the picture has none.
+// Return the channel of that name; NULL if the picture has none.
 const float* floats_of(const Picture& picture, const char* name);
 const uint32_t* numbers_of(const Picture& picture, const char* name);
 

@@ -18,7 +18,7 @@ double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-// Halton's sequence: places in 0..1.
+// Returns elements of the Halton sequence, in 0..1.
 float halton(uint32_t index, uint32_t base) {
   float result = 0, digit = 1;
   for (uint32_t rest = index; rest > 0; rest /= base) {
@@ -28,14 +28,14 @@ float halton(uint32_t index, uint32_t base) {
   return result;
 }
 
-// The same view through another place of each pixel.
+// Returns the camera with another position of the ray within each pixel.
 sideray_camera moved_within_pixel(sideray_camera camera, uint32_t position, const Effort& effort) {
   camera.shift_x += (halton(position + 1, 2) - 0.5f) / static_cast<float>(effort.width);
   camera.shift_y += (halton(position + 1, 3) - 0.5f) / static_cast<float>(effort.height);
   return camera;
 }
 
-// Distances are what the mouse takes hold of, and numbers of objects what it points at.
+// The mouse needs distances to grab a surface, and object numbers to point at one.
 uint32_t outputs_of(const Mode& mode) {
   return mode.aov | SIDERAY_AOV_Z | SIDERAY_AOV_ID;
 }
@@ -50,14 +50,14 @@ Options options_for(const View& view, Way way, const Effort& effort) {
     trial.set(name, value);
     if (sideray_options_check(trial.get(), nullptr) == SIDERAY_OK) options = std::move(trial);
   };
-  // A draft has not all that a channel may be of.
+  // A draft lacks outputs that some channels need.
   const Mode& mode = modes()[view.mode];
   if (effort.is_draft && (mode.aov == 0 || !mode.is_lit)) {
     prefer("quality", "draft");
     prefer("refraction", "on");  // glass that bends light looks like another thing without
   }
   if (effort.budget_ms > 0) prefer("budget", std::to_string(effort.budget_ms));
-  // A view that stands still is drawn whole, in as many frames as it has positions.
+  // A view at rest is drawn without a budget, one frame for each position.
   if (!view.is_moving && !effort.is_preview) options.set("budget", "");
   prefer("taa", "on");
   return options;
@@ -119,7 +119,7 @@ Picture Painter::draw(const View& view, Way way, const Effort& effort, uint32_t 
   const Options options = options_for(view, way, effort);
   sideray_render_options drawn = options.render();
   drawn.aovs = outputs_of(mode);
-  // Without a budget everything is traced for its picture.
+  // Without a budget every picture traces all its answers.
   if (view.inspects && drawn.budget_ms > 0 && way != Way::reference) drawn.aovs |= SIDERAY_AOV_ANSWERS;
   drawn.exposure = view.display.exposure_ev;
   const bool is_reference = way == Way::reference;
@@ -147,7 +147,7 @@ Picture Painter::render(Renderer& renderer, const Scene& scene, const sideray_ca
   return std::move(picture).value();
 }
 
-// A renderer whose OpenGL failed, as where its context is lost, is made anew once.
+// Makes the renderer anew once if its OpenGL fails, for example because its context is lost.
 Picture Painter::draw_anyhow(const View& view, Way way, const Effort& effort, uint32_t position) {
   try {
     return draw(view, way, effort, position);

@@ -48,7 +48,7 @@ class Painter {
   std::array<std::vector<float>, 3> refined() const;
 
   Machine& machine_;
-  std::weak_ptr<SceneFile> scene_;  // what the renderers hold
+  std::weak_ptr<SceneFile> scene_;  // the scene that the renderers hold
   struct Drawing {
     std::optional<Renderer> renderer;
     bool rasterizes = false;

@@ -1,4 +1,4 @@
-// What the window wants to see, and what it gets. Plain memory.
+// The views that the window asks for, and the pictures that it gets. Plain memory.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ struct Pixel {
 };
 
 struct View {
-  // Another number is another picture. The fields below up to the line do not change without it.
+  // Changes whenever one of the fields up to the line changes.
   uint64_t number = 0;
   std::shared_ptr<SceneFile> scene;
   sideray_camera camera = sideray_camera_defaults();
@@ -34,8 +34,8 @@ struct View {
   // ---
   size_t shown_sides = 1;  // 1: A alone
   bool is_moving = false;  // another view is about to follow
-  bool wants_map = false;  // how A and B differ
-  bool inspects = false;   // what the pixels of pictures with a budget show is wanted too
+  bool wants_map = false;  // a map of the differences of A and B
+  bool inspects = false;   // pictures with a budget need the channels of answers, too
   std::optional<Pixel> inspected;
 };
 
@@ -44,15 +44,15 @@ struct Frame {
   uint64_t number = 0;  // of the view that it shows
   Way way = Way::chosen;
   uint32_t width = 0, height = 0;
-  bool is_preview = false;  // drawn smaller than the view, to be there in time
+  bool is_preview = false;  // drawn smaller than the view, to be ready in time
   std::vector<uint8_t> rgb;
-  std::vector<float> display;  // of colours: what rgb is, unquantized
+  std::vector<float> display;  // of colours: rgb before quantization
   std::shared_ptr<const Picture> picture;
   sideray_render_stats stats{};
   std::vector<sideray_stage_time> stages;
   uint64_t positions = 1;
   bool is_done = false;  // no picture of this view will be better
-  double ms = 0;         // that drawing it took
+  double ms = 0;         // time that drawing took
 };
 
 struct DifferenceMap {
