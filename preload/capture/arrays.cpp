@@ -67,7 +67,8 @@ uint32_t index_at(const char* data, GLenum type, size_t i) {
   return value;
 }
 
-// Makes the indices count the vertices that are named, and no others (many draws share one buffer). Returns their places.
+// Renumbers the indices so that unused vertices are left out, since many draws share one buffer. Returns the places of
+// the used ones.
 std::vector<uint32_t> compact(std::vector<uint32_t>& indices) {
   const auto [least, most] = std::minmax_element(indices.begin(), indices.end());
   const uint32_t first = *least;

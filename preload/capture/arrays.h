@@ -1,4 +1,4 @@
-// Vertex arrays and buffers: what a draw reads from them.
+// Reads the vertices of a draw from vertex arrays and buffers.
 #pragma once
 
 #include <map>
@@ -13,19 +13,19 @@ namespace sideray::run {
 
 class Arrays {
  public:
-  // Vertices first .. first + count - 1 of the enabled arrays.
+  // Reads the vertices `first` to first + count - 1 of the enabled arrays.
   std::shared_ptr<const Geometry> read(GLenum mode, GLint first, GLsizei count);
-  // The vertices that indices name. Null where the type of the indices is none of OpenGL's, or they lie outside of
-  // their buffer.
+  // Reads the vertices that indices name. Returns null if the type of the indices is not one of OpenGL's, or if they
+  // lie outside their buffer.
   std::shared_ptr<const Geometry> read_indexed(GLenum mode, GLsizei count, GLenum type, const void* indices);
-  // The contents of the buffer changed.
+  // Notes that the contents of a buffer changed.
   void changed(GLuint buffer) { buffers_.erase(buffer); }
   void clear() { buffers_.clear(), kept_.clear(); }
 
  private:
   struct Buffer {
     std::vector<char> bytes;
-    uint64_t version = 0;  // no two contents of any buffer have the same
+    uint64_t version = 0;  // unique among all contents of all buffers
   };
   struct Array {
     const char* data = nullptr;  // null: not enabled
@@ -35,7 +35,7 @@ class Arrays {
     GLenum type = GL_FLOAT;
     size_t stride = 0;
   };
-  // All that are enabled, and the attributes that the others leave as they are.
+  // Holds the enabled arrays, and the current attributes in place of the others.
   struct Source {
     Array position, normal, color, uv[kept_units];
     Vertex current;
@@ -45,10 +45,10 @@ class Arrays {
   Source find_source();
   Array find(GLenum array, GLenum size, GLenum type, GLenum stride, GLenum pointer, GLenum buffer);
   const Buffer& buffer(GLuint name);
-  // Vertex i is the arrays' element places[i].
+  // Returns vertices; vertex i is the arrays' element places[i].
   static std::vector<Vertex> fetch(const Source& source, const std::vector<uint32_t>& places);
   static void hash_source(const Source& source, uint64_t& hash, bool& lies_in_buffers);
-  // The geometry that `make` returns; where all of it lies in buffers, it is made once.
+  // Returns the geometry that `make` makes; if all of it lies in buffers, it is made only once.
   template <typename Make>
   std::shared_ptr<const Geometry> keep(const Source& source, uint64_t draw, bool lies_in_buffers, Make&& make);
 

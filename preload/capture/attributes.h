@@ -1,4 +1,4 @@
-// The attributes of the vertex that immediate mode sets next.
+// Sets the attributes of immediate mode's next vertex.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace sideray::run {
 
-// A component as glColor and glNormal read it: integers stand for 0..1 or -1..1.
+// Converts a component like glColor and glNormal: integers stand for 0..1 or -1..1.
 template <typename T>
 float normalized(T value) {
   if constexpr (std::is_floating_point_v<T>)
@@ -31,13 +31,13 @@ void set_normal(Vertex& vertex, const T* values) {
   for (int i = 0; i < 3; ++i) vertex.normal[i] = normalized(values[i]);
 }
 
-// Four components of which `count` are given: the others are 0, 0 and 1.
+// Sets four components from `count` values; missing ones become 0, 0 and 1.
 template <int count, typename T>
 void set_components(float (&target)[4], const T* values) {
   for (int i = 0; i < 4; ++i) target[i] = i < count ? static_cast<float>(values[i]) : i == 3 ? 1.0f : 0.0f;
 }
 
-// What OpenGL says that the current attributes are.
+// Queries the current attributes from OpenGL.
 Vertex read_attributes();
 
 }  // namespace sideray::run

@@ -138,7 +138,7 @@ DrawState read_draw_state() {
 }
 
 std::shared_ptr<const Lighting> read_lighting() {
-  static std::shared_ptr<const Lighting>& last = *new std::shared_ptr<const Lighting>;  // programs draw until their last moment
+  static std::shared_ptr<const Lighting>& last = *new std::shared_ptr<const Lighting>;  // programs draw until they exit
   const Functions& gl = real();
   Lighting lighting;
   for (GLenum i = 0; i < 8; ++i) {

@@ -1,4 +1,4 @@
-// What of OpenGL's state says how a draw is taken, and how what it draws looks in a mirror.
+// The OpenGL state that decides how a draw is treated, and how it looks in a mirror.
 #pragma once
 
 #include <array>
@@ -14,10 +14,10 @@ struct FixedLight {
   float ambient[4], diffuse[4], specular[4], position[4], spot_direction[3], spot_exponent, spot_cutoff, attenuation[3];
 };
 
-// The lighting of the fixed function, all of it in eye space. Without padding: it is compared as bytes.
+// Holds the fixed function's lighting, in eye space. Has no padding, because it is compared as bytes.
 struct Lighting {
   int lights = 0;
-  GLint number[8] = {};  // of each: GL_LIGHT0 + number
+  GLint number[8] = {};  // light i is GL_LIGHT0 + number[i]
   FixedLight light[8] = {};
   float scene_ambient[4] = {};
   GLint local_viewer = 0;
@@ -28,7 +28,7 @@ struct DrawMaterial {
   float emission[4] = {0, 0, 0, 1}, shininess = 0;
 };
 
-// How OpenGL makes a unit's coordinates: generated or not, and multiplied by a matrix.
+// Says how OpenGL makes a unit's coordinates: generated or not, and multiplied by a matrix.
 struct TextureCoordinates {
   Matrix matrix{};
   bool generated[4] = {};
@@ -39,8 +39,8 @@ struct TextureCoordinates {
 struct TextureUnit {
   bool textured = false;  // 2D
   GLuint texture = 0;     // 0 where it is not textured
-  bool replaces = false;  // the environment takes the texture in place of the lit colour
-  std::shared_ptr<const TextureCoordinates> coordinates;  // null: those of the vertices
+  bool replaces = false;  // the texture environment replaces the lit colour by the texture
+  std::shared_ptr<const TextureCoordinates> coordinates;  // null: the vertices' own
 };
 
 struct Fog {
@@ -56,7 +56,7 @@ struct DrawState {
   bool writes_color = true;
   std::array<TextureUnit, kept_units> units;
   GLenum blend_source = GL_ONE, blend_target = GL_ZERO, depth_func = GL_LESS;
-  float alpha = 1;  // of the colour that is current, or of the material that takes its place
+  float alpha = 1;  // of the current colour, or of the material that replaces it
   float alpha_reference = 0;
   GLint framebuffer = 0;
   bool whole_depth_range = true;  // 0 to 1
@@ -64,26 +64,26 @@ struct DrawState {
   Fog fog;
   std::shared_ptr<const Lighting> lights;  // of a lit draw that rays see
 
-  // The unit whose texture rays see first (layer 0), and that of the second: those with coordinates of their own go before
-  // the others, which are shadows, shine and the like. -1 = none.
+  // Returns the unit of a layer's texture; layer 0 is the first that rays see, layer 1 the second. Units that use the
+  // vertices' own coordinates come before the others, which are shadows, shine and the like. -1 = none.
   int unit_of_layer(int layer) const;
   GLuint texture(int layer = 0) const {
     const int unit = unit_of_layer(layer);
     return unit < 0 ? 0 : units[static_cast<size_t>(unit)].texture;
   }
-  // The texture takes the place of what is lit and coloured.
+  // Returns whether the texture replaces the lit colour.
   bool shows_texture_alone() const {
     const int unit = unit_of_layer(0);
     return unit >= 0 && units[static_cast<size_t>(unit)].replaces;
   }
   bool is_perspective() const { return projection[11] != 0; }
-  // Colours of vertices count, or are replaced by the material's.
+  // Returns whether the vertices' colours show: directly, or as the material's colours.
   bool shows_colors() const { return !lighting || color_material; }
   Counted counted() const;
 };
 
 DrawState read_draw_state();
-// Of the lights that are set now. The same as the last time where nothing has changed.
+// Returns the current lighting; the same object as last time if nothing has changed.
 std::shared_ptr<const Lighting> read_lighting();
 
 }  // namespace sideray::run

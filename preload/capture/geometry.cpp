@@ -8,7 +8,7 @@
 namespace sideray::run {
 namespace {
 
-// Calls f(a, b, c) for each triangle of a primitive of `count` vertices, given as places in its order.
+// Calls f(a, b, c) for each triangle of a primitive of `count` vertices; a, b and c are positions in their order.
 template <typename F>
 void for_each_triangle(GLenum mode, uint32_t count, F&& f) {
   switch (mode) {

@@ -1,4 +1,4 @@
-// What one draw gives OpenGL: vertices and how they are joined.
+// The vertices of one draw and the primitives that they form.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct Vertex {
   float normal[3] = {0, 0, 1};
 };
 
-// What of vertices counts besides their positions: the other attributes are those that the program used last, for whatever.
+// Says which attributes of vertices count besides positions. Others are left over from what the program used last.
 struct Counted {
   bool colors = true, normals = true;
   unsigned units = (1u << kept_units) - 1;  // bit i: the coordinates of unit i
@@ -27,22 +27,22 @@ struct Counted {
 struct Geometry {
   GLenum mode = GL_TRIANGLES;
   std::vector<Vertex> vertices;
-  std::vector<uint32_t> indices;  // empty = one vertex after the other
-  mutable std::vector<std::pair<unsigned, uint64_t>> hashes;  // that hash_of() has found, by Counted::key()
+  std::vector<uint32_t> indices;  // empty = the vertices in order
+  mutable std::vector<std::pair<unsigned, uint64_t>> hashes;  // cached results of hash_of(), by Counted::key()
 
   size_t count() const { return indices.empty() ? vertices.size() : indices.size(); }
-  // Whether no vertex is translucent.
+  // Returns whether no vertex is translucent.
   bool is_opaque() const;
   bool is_surface() const { return mode >= GL_TRIANGLES && count() >= 3; }
 };
 
-// Indices of three vertices a triangle. OpenGL's order, so that the front face stays the front face.
+// Returns three indices per triangle, in OpenGL's order, so that front faces stay front faces.
 std::vector<uint32_t> triangles_of(const Geometry& geometry);
 
-// Names the geometry: what of it counts, and how it is joined.
+// Returns a hash of positions, attributes that count, and primitives.
 uint64_t hash_of(const Geometry& geometry, const Counted& counted);
 
-// Draws it by the driver, with the arrays of the fixed function. Changes client state and the current attributes.
+// Draws the geometry with the fixed function's arrays. Changes client state and the current attributes.
 void draw(const Geometry& geometry);
 
 }  // namespace sideray::run

@@ -1,4 +1,4 @@
-// Display lists: what is compiled into them is noted, so that a call of the list is known to draw it.
+// Records what is compiled into display lists, so that a list's draws are known when it is called.
 #pragma once
 
 #include <functional>
@@ -11,11 +11,11 @@
 
 namespace sideray::run {
 
-// A piece of geometry as a list's call draws it.
+// A piece of geometry that a call of the list draws.
 struct ListPiece {
   std::shared_ptr<const Geometry> geometry;
   uint64_t hash = 0;
-  bool colored = false;  // it has colours of its own; otherwise the current one counts
+  bool colored = false;  // it has colours of its own; otherwise it has the current colour
 };
 
 class Lists {
@@ -27,7 +27,7 @@ class Lists {
   void remove(GLuint first, GLsizei count);
   void clear() { lists_.clear(), recording_ = 0; }
 
-  // Commands that are compiled.
+  // Record a compiled command.
   void add(Geometry geometry, bool colored);
   void add_call(GLuint list);
   void add_texture(GLuint name);
@@ -35,13 +35,13 @@ class Lists {
   void add_matrix_mode(GLenum mode);
   void add_matrix(const Matrix& matrix, bool replaces);
   void add_push(bool push);
-  // Something whose effect is not known here: the list is never held back.
+  // Records a command of unknown effect; such a list is never held back.
   void add_unknown();
 
-  // Calls f(piece, state) for each piece that the list draws where OpenGL's state is `state`.
+  // Calls f(piece, state) for each piece that the list draws when called in OpenGL's state `state`.
   using Visitor = std::function<void(const ListPiece&, const DrawState&)>;
   void visit(GLuint list, DrawState state, const Visitor& f) const;
-  // Whether its calls change nothing but textures and the current attributes.
+  // Returns whether a call of the list changes only textures and the current attributes.
   bool can_be_held(GLuint list, int depth = 0) const;
 
  private:

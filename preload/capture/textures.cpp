@@ -6,7 +6,7 @@
 namespace sideray::run {
 namespace {
 
-// A texture that the program keeps changing (a film, a picture of the scene) keeps the name that it had by then.
+// After so many reads a texture that keeps changing (a film, a picture of the scene) keeps its last contents and hash.
 constexpr int most_reads = 4;
 constexpr GLint largest = 4096;
 

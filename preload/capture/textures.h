@@ -1,4 +1,4 @@
-// The program's 2D textures: read back where a draw first uses them, and named by what they show.
+// Holds the program's 2D textures, which are read back at their first use and named by a hash of their contents.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ struct Texture {
 
 class Textures {
  public:
-  // 0: no texture, with hash 0. Reads the texture where it is new or was changed; it must be bound nowhere in particular.
+  // Returns a texture, and reads it if it is new or changed. It need not be bound. Name 0: no texture, with hash 0.
   const Texture& find(GLuint name);
   void changed(GLuint name);
   void deleted(GLuint name) { known_.erase(name); }
