@@ -1,4 +1,4 @@
-// The program's own picture of a frame beside the one with rays: --pictures.
+// Compares the program's own picture of a frame with the ray-traced one: --pictures.
 #pragma once
 
 #include <array>
@@ -10,11 +10,11 @@
 
 namespace sideray::run {
 
-// Colours, depth and stencil of a part of the framebuffer.
+// Holds colours, depth and stencil of a part of the framebuffer.
 class Picture {
  public:
   explicit Picture(const std::array<GLint, 4>& viewport);
-  // Puts all of it back. Changes how pixels are unpacked, and no other state.
+  // Writes them back into the framebuffer. Changes how pixels are unpacked, and no other state.
   void restore() const;
   bool write(const std::string& path) const;
 

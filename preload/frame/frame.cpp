@@ -10,11 +10,11 @@
 namespace sideray::run {
 namespace {
 
-constexpr int frames_of_interest = 60;    // without anything that reflects, after which the scene is no longer captured
-constexpr auto time_between_reports = std::chrono::seconds(3);  // a program that is killed leaves a report too
+constexpr int frames_of_interest = 60;    // after so many frames without reflectors the scene is no longer captured
+constexpr auto time_between_reports = std::chrono::seconds(3);  // so that a killed program leaves a report, too
 constexpr uint64_t frames_a_picture = 30;
 
-// Alpha blending, premultiplied or not: what lies behind is seen through it.
+// Returns whether a draw is alpha-blended, premultiplied or not.
 bool blends_by_alpha(const DrawState& state) {
   return state.blend && state.blend_target == GL_ONE_MINUS_SRC_ALPHA && (state.blend_source == GL_SRC_ALPHA || state.blend_source == GL_ONE);
 }
@@ -96,7 +96,7 @@ Decision Frame::decide(const DrawState& state, const Geometry* geometry, uint64_
   decision.taking = taking_of(state, decision.rule);
   if (bool has_holes = false; decision.rule.kind == Kind::unknown && covers(state, geometry, has_holes)) {
     decision.is_seen = true;
-    // What has no holes looks the same before and behind what is held back; the vertices of glBegin are not known yet.
+    // A draw without holes looks the same before and after the held draws. At glBegin its vertices are not known yet.
     if (!is_holding() || (geometry && !has_holes)) decision.taking = Taking::opaque;
   }
   const bool is_solid = !state.blend && state.depth_test && state.depth_write && state.depth_func != GL_EQUAL;
@@ -126,7 +126,7 @@ SceneDraw Frame::scene_draw(const Geometry& geometry, uint64_t hash, const DrawS
   return draw;
 }
 
-// The second stage of an opaque surface, which multiplies: a light map as a rule.
+// Returns whether a piece is the second stage of the pending opaque surface and multiplies it, as light maps do.
 bool Frame::is_light_map_of_pending(const Piece& piece) const {
   if (!pending_ || pending_->state.unit_of_layer(0) != 0 || pending_->state.texture(1) != 0) return false;
   if (piece.state.unit_of_layer(0) != 0 || piece.state.units[0].coordinates || !multiplies(piece.state)) return false;
@@ -155,7 +155,7 @@ void Frame::note_shadows(Receivers::Taken taken) {
   scene_->set_sun(receivers_.sun());
 }
 
-// Its threads leave signals to those of the program.
+// SignalsWait keeps the scene's threads from handling the program's signals.
 void Frame::make_scene() {
   if (scene_) return;
   const SignalsWait signals_wait;
@@ -241,7 +241,7 @@ void Frame::pass_on_reflectors(Held& next) {
   before.reflectors.clear();
 }
 
-// Whether the draw held before is of the same surface and reflects already.
+// Returns whether the previous held draw shows the same surface and reflects already.
 bool Frame::is_later_stage(const Piece& piece) const {
   const Held& before = held_[held_.size() - 2];
   return !before.reflectors.empty() && before.pieces.size() == 1 && is_same_surface(before.pieces[0], piece);
@@ -320,7 +320,7 @@ void Frame::write_picture(const Picture& picture, const char* which) const {
   if (!picture.write(path)) say("--pictures: " + path + " cannot be written; name a folder that is there");
 }
 
-// White where answers are drawn, black elsewhere.
+// Draws white where answers are drawn, and black elsewhere.
 void Frame::draw_marks() {
   const Functions& gl = real();
   gl.Disable(GL_SCISSOR_TEST);
@@ -335,7 +335,7 @@ void Frame::draw_marks() {
   reflections_->mark_shadows(viewport_);
 }
 
-// The program has drawn all in its order; now as ever: what is opaque, rays, what waited for them.
+// Keeps the picture that the program's own order made. Then draws the frame as usual: opaque draws, rays, held draws.
 void Frame::draw_both_ways() {
   const Picture own(viewport_);
   if (start_) start_->restore();

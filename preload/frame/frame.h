@@ -1,4 +1,5 @@
-// One frame of the program after the other: its draws pass, become what rays see, or are held back until their rays are there.
+// Handles the program's frames, one after the other. Draws pass to the driver, are captured for rays, or are held back
+// until their rays are traced.
 #pragma once
 
 #include <chrono>
@@ -19,18 +20,18 @@
 
 namespace sideray::run {
 
-// What is done with a draw, and the rule that says so.
+// Says what is done with a draw, and by which rule.
 struct Decision {
   Taking taking = Taking::left;
   Rule rule;
-  bool is_seen = false;   // rays see it
-  bool in_turn = false;   // it is kept only for the frame to be drawn both ways: it is no part of what waits for rays
+  bool is_seen = false;   // rays can hit it
+  bool in_turn = false;   // it does not wait for rays; it is held only to draw the frame both ways
   bool holds() const { return taking == Taking::reflects || taking == Taking::held || in_turn; }
 };
 
 inline constexpr float untinted[4] = {1, 1, 1, 1};
 
-// A piece of a draw that is held back.
+// A piece of geometry in a draw that is held back.
 struct Piece {
   std::shared_ptr<const Geometry> geometry;
   uint64_t hash = 0;
@@ -43,32 +44,34 @@ class Frame {
   Frame();
   ~Frame();
 
-  // Before a draw. May draw what is held back, where this draw needs it done. `geometry`, `mesh`: null and 0 = not known yet.
+  // Decides what is done with a draw. First makes the held draws, if this one depends on them. `geometry`, `mesh`: null
+  // and 0 = not known yet.
   Decision decide(const DrawState& state, const Geometry* geometry, uint64_t mesh);
-  // Whether the geometry of every draw is wanted, be it for what a rule or the report says of it.
+  // Returns whether rules or the report need the geometry of every draw.
   bool names_meshes() const { return rules_.has_meshes() || !settings().report.empty(); }
-  // Whether the geometry of a draw is wanted.
+  // Returns whether a draw's geometry is needed.
   bool wants(const Decision& decision) const { return decision.holds() || (decision.is_seen && wants_scene()); }
   void show(Piece piece, const float tint[4]);
-  // Holds a draw back: of arrays, or of a display list where `list` is not 0.
+  // Holds a draw back: geometry, or a display list if `list` is not 0.
   void hold(std::vector<Piece> pieces, GLuint list, const float tint[4]);
-  // The frame is drawn both ways: draws that are held back are made in their turn too, for the program's own picture.
+  // Returns whether the frame is drawn both ways: draws that are held back are also made in their turn, for the
+  // program's own picture.
   bool compares() const { return compares_; }
-  // A draw that comes now cannot be held back: the frame is not drawn both ways.
+  // Stops drawing the frame both ways, because a draw cannot be held back.
   void compare_no_more();
 
   bool is_holding() const { return !held_.empty(); }
-  // Whether something is drawn at the end of the frame: what is held back, or shadows.
+  // Returns whether held draws or shadows are still to be drawn in this frame.
   bool is_waiting() const { return is_holding() || !receivers_.empty() || casts_; }
-  // Calls of the program that come meanwhile are those of another thread, in a signal handler as a rule.
+  // Returns whether flush() runs. OpenGL calls that the program makes meanwhile mostly come from a signal handler.
   bool is_flushing() const { return flushing_; }
   // Draws shadows, and makes all draws that are held back.
   void flush();
-  // At the swap.
+  // Ends the frame, at the swap.
   void end();
-  // The context goes: `current` says whether it still can be used.
+  // Releases everything before the context is destroyed. `current`: the context can still be used.
   void close(bool current);
-  // From now on nothing is held back; the reason is said once.
+  // Holds no draw back from now on, and prints the reason once.
   void give_up(const std::string& reason);
   bool gave_up() const { return !ended_.empty(); }
 
@@ -81,14 +84,14 @@ class Frame {
     std::vector<Piece> pieces;
     GLuint list = 0;
     SavedState state;
-    std::vector<Reflector> reflectors, bending;  // drawn after it and before it
+    std::vector<Reflector> reflectors, bending;  // drawn after this draw, and before it
     bool in_turn = false;
     bool in_shadow = false;  // shadows may fall on it
 
     HeldDraw draw() const;
   };
   enum class Draws { all, in_turn, waiting };
-  // Where a surface is drawn in several stages, what it reflects is drawn over the last.
+  // Moves the reflectors to the last of several stages that draw one surface.
   void pass_on_reflectors(Held& next);
   bool is_later_stage(const Piece& piece) const;
   bool is_light_map_of_pending(const Piece& piece) const;
@@ -96,14 +99,14 @@ class Frame {
   void write_scene();
   Taking taking_of(const DrawState& state, const Rule& rule) const;
   bool has_other_view(const DrawState& state) const;
-  // Whether the draw looks otherwise where what is held back is drawn after it.
+  // Returns whether the draw would look different if the held draws were made after it.
   bool depends_on_held(const DrawState& state) const;
   bool wants_scene() const { return tracing_ && !settings().off; }
-  // Blended draws wait, for shadows or for what they reflect.
+  // Returns whether blended draws must wait for held draws or shadows that lie behind them.
   bool holds_later() const { return is_holding() || casts_; }
   bool is_lit_by_sun(const DrawState& state) const { return rules_.sun() >= 0 && state.lighting && Receivers::may_receive(state); }
   Batch batch() const;
-  // Blended as it is, it hides what is behind it, but for holes of its texture.
+  // Returns whether the draw hides what lies behind it, except in holes of its texture.
   bool covers(const DrawState& state, const Geometry* geometry, bool& has_holes);
   void make_scene();
   void add_reflector(Held& held, const Piece& piece);
@@ -129,17 +132,17 @@ class Frame {
   std::unique_ptr<Reflections> reflections_;
   std::vector<Held> held_;
   Receivers receivers_;
-  // An opaque draw that the scene has not got yet: the next draw may multiply a light map onto it.
+  // An opaque draw that is not in the scene yet, because the next draw may multiply a light map onto it.
   std::optional<Piece> pending_;
   float pending_tint_[4] = {};
   Matrix projection_{};
   std::array<GLint, 4> viewport_{};
   bool drew_opaque_ = false, flushing_ = false;
   bool tracing_ = false;     // frames have reflecting surfaces or shadows: opaque draws are captured
-  bool casts_ = false;       // something has been drawn that the sun lights, and its shadows have not
-  bool holds_stencil_ = false;  // what is held back tests the stencil, and may write it
+  bool casts_ = false;       // a draw is lit by the sun, and its shadows are not drawn yet
+  bool holds_stencil_ = false;  // held draws test the stencil, and may write it
   bool compares_ = false;    // this frame is drawn both ways
-  std::optional<Picture> start_;  // before the first draw that is held back, where it is
+  std::optional<Picture> start_;  // the picture before the first held draw of a frame that is drawn both ways
   int frames_without_ = 0;
   uint64_t number_ = 0;
   std::string ended_, renderer_;

@@ -12,13 +12,13 @@
 
 namespace sideray::run {
 
-// Nodes in eye space, as they were drawn; what reflects is blended. Light maps are left out.
+// Writes draws as nodes in eye space. Reflecting surfaces are blended; light maps are left out.
 class SceneFile {
  public:
   SceneFile();
   void add(const Geometry& geometry, const DrawState& state, const Texture& texture, bool reflects);
   void set_camera(const Matrix& projection);
-  // False where the file cannot be written.
+  // Returns false if the file cannot be written.
   bool write(const std::string& path);
 
  private:

@@ -11,7 +11,7 @@ namespace {
 thread_local void* current_context = nullptr;
 
 
-// A list that is held back leaves the texture and the attributes of its last vertex, as if it had been drawn.
+// Sets the texture and the attributes of a held list's last vertex, as if the list had been drawn.
 void leave_as_drawn(const Piece& last) {
   const Functions& gl = real();
   const Vertex& vertex = last.geometry->vertices.back();
@@ -119,7 +119,7 @@ bool Session::take(const std::function<std::shared_ptr<const Geometry>()>& read)
     decision = frame_.decide(state, drawn.get(), hash_of(*drawn, state.counted()));
     if (!frame_.wants(decision)) return false;
   } else {
-    // The colour is current, so that one vertex says what all have.
+    // All vertices have the current colour, so one vertex stands for all.
     Geometry vertex;
     vertex.vertices.emplace_back().color[3] = state.alpha;
     decision = frame_.decide(state, &vertex, 0);

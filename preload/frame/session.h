@@ -1,4 +1,4 @@
-// The context that is looked at, and what its calls become.
+// Follows the OpenGL calls of one context and passes its draws to Frame.
 #pragma once
 
 #include <functional>
@@ -15,17 +15,17 @@ class Session {
  public:
   Session();
 
-  // Whether calls of this thread are looked at. Chooses the thread's context if none is yet.
+  // Returns whether this thread's calls are followed. Chooses the thread's context if none is chosen yet.
   bool looks();
   void make_current(void* context);  // of GLX or EGL
   void destroy(void* context);
   void swap();
 
-  // glBegin; whether the draw is held back, so that the driver does not see it.
+  // Handles glBegin. Returns whether the draw is held back, so that the driver must not see it.
   bool begin(GLenum mode);
   bool is_open() const { return open_; }  // between glBegin and glEnd of a draw that is captured
   bool is_held() const { return held_; }
-  // Whether attributes count: those of a draw that is captured, or that are compiled into a list.
+  // Returns whether vertex attributes are recorded, for a captured draw or for a display list.
   bool follows_attributes() const { return open_ || is_recording(); }
   Vertex& next() { return next_; }
   void note_color() { colored_ = true; }
@@ -34,16 +34,17 @@ class Session {
   void add_vertex() { geometry_.vertices.push_back(next_); }
   void end();
 
-  // A draw of arrays, which `read` reads where they are wanted; it may return none. Returns whether the draw is held back.
+  // Handles a draw of arrays. `read` reads them if they are needed, and may return null. Returns whether the draw is
+  // held back.
   bool take(const std::function<std::shared_ptr<const Geometry>()>& read);
   bool call_list(GLuint list);
-  // A draw or a copy that is not captured: what is held back is drawn before it, where it lies over it or reads it.
+  // Handles a draw or a copy that is not captured: makes the held draws before it if it draws over them or reads them.
   void before_other(const char* name);
-  // Something changes that held draws depend on.
+  // Makes the held draws before a change of something that they depend on.
   void before_change() {
     if (frame_.is_holding()) frame_.flush();
   }
-  // What has been drawn so far ends here: depth is cleared, or the picture is copied.
+  // Makes the held draws before depth is cleared or the picture is copied.
   void before_cut() { frame_.flush(); }
   void uses_shaders(const char* name);
   bool is_recording() const { return lists_.is_recording(); }
@@ -66,7 +67,7 @@ class Session {
   Decision decision_;
 };
 
-// The one session. It lives as long as the process: programs call OpenGL until their last moment.
+// Returns the only session. It lives as long as the process, because programs call OpenGL until they exit.
 Session& session();
 
 }  // namespace sideray::run

@@ -29,7 +29,7 @@ std::string described(Taking taking, const Rule& rule) {
   }
 }
 
-// What the process has in memory.
+// Returns the memory that the process uses.
 double memory_mb() {
   std::ifstream file("/proc/self/statm");
   double size = 0, resident = 0;

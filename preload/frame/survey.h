@@ -1,4 +1,4 @@
-// What was met: textures and meshes, how often, and what they were taken for. It becomes the page of --report.
+// Counts the textures and meshes that the program drew, and what they were taken for. Writes the page of --report.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace sideray::run {
 
-// What becomes of a draw.
+// Says what becomes of a draw.
 enum class Taking { left, opaque, sky, reflects, held };
 
 class Survey {
@@ -33,7 +33,7 @@ class Survey {
   void note(const Texture& texture, uint64_t mesh, const DrawState& state, Taking taking, const Rule& rule);
   void miss(const std::string& what) { ++missed_[what]; }
   void end_frame(const Frame& frame);
-  // Writes the page; false where the file cannot be written.
+  // Writes the page. Returns false if the file cannot be written.
   bool write(const std::string& path, const std::string& renderer, const std::string& ended) const;
 
  private:
