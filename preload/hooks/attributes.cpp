@@ -5,7 +5,7 @@
 namespace sideray::run {
 namespace {
 
-// Each notes the attribute where a draw is captured, and returns whether the driver is to see it.
+// Each records the attribute if a draw is captured, and returns whether the driver must see the call.
 
 template <int count, typename T>
 bool note_Vertex(const T* values) {

@@ -1,4 +1,4 @@
-// Draws: immediate mode, arrays, lists, and what is drawn or copied besides.
+// Draws: immediate mode, arrays, lists, and other calls that draw or copy.
 #include "preload/gl/functions.h"
 #include "preload/frame/session.h"
 
@@ -72,7 +72,7 @@ void glCallLists(GLsizei count, GLenum type, const void* lists) {
   real().CallLists(count, type, lists);
 }
 
-// What is drawn or copied without being captured.
+// Calls that draw or copy and are not captured.
 #define OTHER(name, parameters, arguments)  \
   void gl##name parameters {                \
     session().before_other("gl" #name);     \

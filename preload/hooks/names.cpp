@@ -68,7 +68,7 @@ using sideray::run::real_dlsym;
 #pragma GCC visibility push(default)
 extern "C" {
 
-// For programs that open libGL themselves. The last call is a jump, so that RTLD_NEXT still means the caller's next.
+// Serves programs that open libGL themselves. The last call is a jump, so that RTLD_NEXT is relative to the caller.
 [[gnu::optimize("O2")]] void* dlsym(void* handle, const char* name) noexcept {
   if (void* found = hooked(name)) return found;
   return real_dlsym(handle, name);

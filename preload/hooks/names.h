@@ -3,7 +3,7 @@
 
 namespace sideray::run {
 
-// Null where there is none, or where the driver has not got it.
+// Returns null if the library has no such function, or if the driver lacks it.
 void* hooked(const char* name);
 
 }  // namespace sideray::run

@@ -1,11 +1,11 @@
-// Textures, buffers, framebuffers and programs: what of them changes, and which the library does not follow.
+// Textures, buffers, framebuffers and programs: calls that change them, and uses that the library does not follow.
 #include "preload/gl/functions.h"
 #include "preload/frame/session.h"
 
 namespace sideray::run {
 namespace {
 
-// Before the texels of the texture that is bound change.
+// Must be called before the texels of the bound texture change.
 void change_texture(GLenum target) {
   if (!session().looks() || session().is_recording()) return;
   session().before_change();
