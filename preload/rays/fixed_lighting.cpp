@@ -29,7 +29,7 @@ shading::SrFixedLight light_of(const FixedLight& from, const Lighting& lighting)
   return light;
 }
 
-// Of a surface that is lit from the side that the ray came from. What is lit is clamped before the texture modulates it.
+// Returns a surface that is lit on the side that the ray hits. Its colour is clamped before the texture modulates it.
 shading::SrSurface surface_of(const DrawMaterial& material, const sideray_shading_point& point) {
   shading::SrSurface surface{};
   surface.normal = vector(point.normal);

@@ -1,5 +1,5 @@
-// The lighting of the fixed function for one point that a ray hits, by Sideray's own formulas of it.
-// sideray_scene_set_fixed_function has one set of lights a scene; a program may change them from draw to draw.
+// Computes the fixed function's lighting at a hit, by Sideray's own formulas. sideray_scene_set_fixed_function() is not
+// enough: it has one set of lights per scene, but a program may change its lights from draw to draw.
 #pragma once
 
 #include <sideray/tracer.h>
@@ -8,8 +8,8 @@
 
 namespace sideray::run {
 
-// Writes the colour, 0..1, of a point in eye space, whose texture modulates. Both sides are lit: a mirror shows sides that the
-// eye never sees.
+// Writes the colour, 0..1, of a point in eye space with a texture that modulates. Lights both sides, because mirrors
+// show sides that the eye never sees.
 void light_point(const Lighting& lighting, const DrawMaterial& material, const sideray_shading_point& point, float color[3]);
 
 }  // namespace sideray::run

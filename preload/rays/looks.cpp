@@ -6,7 +6,7 @@
 namespace sideray::run {
 namespace {
 
-// How far before the eye what a plane mirror shows seems to lie: the fixed function's fog coordinate of the mirror image.
+// Returns the fixed function's fog coordinate of a hit in a plane mirror: the depth of the mirror image before the eye.
 float mirrored_depth(const sideray_shading_point& point) {
   float mirror[3], length = 0;
   for (int c = 0; c < 3; ++c) {
@@ -17,7 +17,8 @@ float mirrored_depth(const sideray_shading_point& point) {
   return length > 0 ? std::abs(mirror[2]) * (1 + point.distance / length) : point.distance;
 }
 
-// 1 for what the eye sees first, whose reflection is weighted as it is drawn; behind glass that bends light, Schlick's share.
+// Returns 1 for the surface that the eye sees first, whose reflection is weighted when it is drawn. Behind refracting
+// glass, returns Schlick's share.
 float reflected_share(float reflectance, const sideray_shading_point& point) {
   double square = 0;
   for (const double p : point.position) square += p * p;
@@ -70,7 +71,7 @@ uint64_t Looks::add_clear() {
 }
 
 void Looks::shade(const Look& look, const sideray_shading_point& point, sideray_shading_result& result) {
-  // Rays of the eye meet it, straight or bent; in mirrors it is drawn as it is lit.
+  // Rays from the eye, straight or refracted, find no radiance on it; mirrors show it as a lit surface.
   const bool is_translucent = (look.mirrors || look.clear) && point.bounce == 0;
   for (float& reflectance : result.reflectance) reflectance = look.mirrors && is_translucent ? reflected_share(look.reflectance, point) : 0.0f;
   if (is_translucent) {

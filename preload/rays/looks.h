@@ -1,4 +1,4 @@
-// How the program's surfaces look where rays hit them: the lighting of the fixed function, textures, colours and fog.
+// Shades hits on the program's surfaces: the fixed function's lighting, textures, colours and fog.
 #pragma once
 
 #include <vector>
@@ -8,19 +8,19 @@
 
 namespace sideray::run {
 
-// The looks of a frame's draws; sideray_instance_desc::user is the place of one.
+// Holds the looks of a frame's draws; sideray_instance_desc::user is the index of a look.
 class Looks {
  public:
   void clear() { looks_.clear(); }
-  // `tint`: multiplied onto it.
+  // `tint` multiplies the colour.
   uint64_t add(const DrawState& state, const float tint[4]);
-  // Of glass, water and mirrors: a layer holds what they reflect, and nothing else. The shader that draws them weights it. Behind
-  // bent glass they reflect this share, which grows to 1 at grazing angles where it is below 1.
+  // Adds the look of glass, water or a mirror: its layer holds the full reflection alone, which the shader that draws
+  // it weights. Behind refracting glass it reflects the share `reflectance`, which grows to 1 at grazing angles.
   uint64_t add_mirror(const DrawState& state, const float tint[4], float reflectance);
-  // Of a surface that is seen through alone.
+  // Adds the look of a surface that only refracts.
   uint64_t add_clear();
 
-  // A sideray_shade; `user` is a Looks that nobody changes meanwhile.
+  // Implements sideray_shade; `user` is a Looks that must not change meanwhile.
   static void shade(void* user, const sideray_shading_point* points, size_t count, sideray_shading_result* results);
 
  private:
@@ -30,7 +30,7 @@ class Looks {
     Fog fog;
     float tint[3] = {1, 1, 1};
     bool second_texture = false, mirrors = false, clear = false;
-    float reflectance = 1;  // of mirrors behind bent glass
+    float reflectance = 1;  // of mirrors behind refracting glass
   };
   static Look look_of(const DrawState& state, const float tint[4]);
   static void shade(const Look& look, const sideray_shading_point& point, sideray_shading_result& result);

@@ -12,7 +12,7 @@ const FixedLight* light_of(const Lighting* lighting, int number) {
   return nullptr;
 }
 
-// Places are computed anew for each draw, from its matrices.
+// Allows for rounding, because each draw's matrices give the light's position anew.
 bool is_same_place(const FixedLight& a, const FixedLight& b) {
   float size = 0, apart = 0;
   for (int i = 0; i < 4; ++i) size = std::max(size, std::abs(a.position[i])), apart = std::max(apart, std::abs(a.position[i] - b.position[i]));

@@ -22,8 +22,7 @@ void main() {
 }
 )";
 
-// What is reflected, weighted by how much of it a surface of this tilt reflects. Blended so that the rest lets through what
-// is drawn already.
+// Weights the reflected light by the surface's reflectance at this angle. Blending keeps the rest of the picture.
 constexpr const char* fragment_text = R"(
 varying vec3 eye_position, position_before;
 uniform float surface, reflectance, fresnel, late;
@@ -65,7 +64,7 @@ void load_matrices(const Matrix& projection, const Matrix& modelview) {
   gl.LoadMatrixf(modelview.data());
 }
 
-// The depth of the surface as drawn, or a little nearer: the copy may have been rounded.
+// Passes fragments at the surface's drawn depth or a little nearer, because the copied depth may be rounded.
 void test_depth() {
   const Functions& gl = real();
   gl.Enable(GL_DEPTH_TEST);
@@ -121,7 +120,7 @@ void Reflections::draw_mask(const Batch& batch) {
     test_depth();
     const Reflector& reflector = batch.reflectors[i];
     load_matrices(batch.projection, reflector.modelview);
-    // White: arrays would bring the program's colours.
+    // Uses a white copy, because arrays would bring the program's colours.
     gl.UseProgram(0);
     Geometry white;
     white.mode = reflector.geometry->mode;
@@ -142,7 +141,7 @@ void Reflections::submit(const Batch& batch) {
   inputs.layers->float_ids = 1;
   const bool bends = std::any_of(batch.reflectors.begin(), batch.reflectors.end(), [](const Reflector& reflector) { return reflector.ids.bent != 0; });
   inputs.layers->refraction = bends;
-  inputs.layers->max_layers = bends ? 6 : 4;  // what bends light has two
+  inputs.layers->max_layers = bends ? 6 : 4;  // a refracting surface has two
   if (batch.reflectors.empty()) inputs.layers.reset();
   inputs.frame.shadows = batch.has_shadows();
   if (batch.has_shadows()) inputs.masks = sun_masks(batch.receivers->rounding());
@@ -159,7 +158,7 @@ void Reflections::trace(const Batch& batch) {
   view.take(service_, 0);
   const bool is_free = !view.ticket && (!batch.reflectors.empty() || batch.has_shadows());
   if (is_free || batch.has_shadows() || !batch.shadowed.empty()) target_.make(batch.viewport), target_.copy_depth();
-  // Where rays take longer than a frame, frames in between are not traced.
+  // If rays take longer than a frame, the frames in between are not traced.
   if (is_free) {
     draw_mask(batch);
     submit(batch);

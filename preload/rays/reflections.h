@@ -1,4 +1,4 @@
-// Rays for the surfaces of a frame that reflect: depth and mask go to the service, and its answers are drawn onto them.
+// Traces rays for a frame's reflecting surfaces: the service reads depth and mask, and its answers are drawn onto them.
 #pragma once
 
 #include <sideray/sideray.hpp>
@@ -21,7 +21,7 @@ namespace sideray::run {
 
 class Reflections {
  public:
-  // In the program's context. Throws sideray::Error where it lacks what the service needs.
+  // Needs the program's context. Throws sideray::Error if the context lacks what the service needs.
   explicit Reflections(const TracedScene& scene);
   ~Reflections();
   Reflections(const Reflections&) = delete;
@@ -43,7 +43,7 @@ class Reflections {
   // changes OpenGL's state.
   void draw_behind(const Reflector& reflector) { draw(reflector, Shown::behind); }
   void draw(const Reflector& reflector) { draw(reflector, Shown::reflected); }
-  // Draws white where it would draw an answer.
+  // Draws white where draw() or draw_behind() would draw an answer.
   void mark(const Reflector& reflector) { draw(reflector, Shown::marks), draw(reflector, Shown::marks_behind); }
   // Ends the frame, and lets the services advance.
   void advance();

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int positions_unit = 7;  // its generated coordinates are positions in the frame of the masks
 
-// First what OpenGL has lit, then which share of it is left: of what the sun lit as much as the masks say.
+// The first pass draws what OpenGL has lit, the second the share of it that is left: masks darken the sun's part alone.
 constexpr const char* receivers_text = R"(
 uniform sampler2D depth, picture_depth, lit;
 uniform vec2 size;
@@ -56,7 +56,7 @@ void main() {
 
 constexpr std::array<GLfloat, 16> identity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
-// MODELVIEW is the identity: places are kept in eye space.
+// MODELVIEW must be the identity, because the light's position is in eye space.
 void set_light(GLenum name, const FixedLight& light, bool shines) {
   constexpr GLfloat black[4] = {0, 0, 0, 1};
   const Functions& gl = real();
@@ -223,7 +223,7 @@ void Shadows::light(const ShadowInputs& inputs, Service& service, uint32_t view)
   gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
 }
 
-// Fog lies over shadows: what is multiplied has lost fog that comes back.
+// Multiplying the picture also removes fog that lies in front of the shadows, so the second pass adds it again.
 void Shadows::darken(const ShadowInputs& inputs) {
   ask(inputs.viewport, Cover::multiplies);
   const bool fog =

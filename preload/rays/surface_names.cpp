@@ -3,7 +3,7 @@
 namespace sideray::run {
 namespace {
 
-constexpr uint32_t largest = (1u << 23) - 1;  // floats hold twice as many
+constexpr uint32_t largest = (1u << 23) - 1;  // ids are up to twice this number, and floats hold those exactly
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// Numbers of surfaces that stay from frame to frame, so that an answer of an earlier frame finds its surface.
+// Gives surfaces numbers that stay from frame to frame, so that an answer of an earlier frame finds its surface.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@ namespace sideray::run {
 class SurfaceNames {
  public:
   void begin_frame();
-  // The id of a surface of this frame: that which the same mesh had in the frame before, or else one of the same texture, whose
-  // vertices the program has made anew; texture 0 stands for none.
+  // Returns the id of a surface of this frame: the id that the same mesh had in the previous frame, or else the id of a
+  // surface with the same texture, because a program may make vertices anew. Texture 0 matches none.
   uint32_t name(uint64_t mesh, uint64_t texture);
 
  private:

@@ -27,13 +27,13 @@ Vector unit(Vector v) {
   return v;
 }
 
-// The normal in eye space of a matrix that turns, moves and scales alike in all directions.
+// Returns the normal in eye space, for a matrix that rotates, translates and scales uniformly.
 Vector eye_normal(const Matrix& modelview, const Vertex& vertex) {
   const float direction[4] = {vertex.normal[0], vertex.normal[1], vertex.normal[2], 0};
   return unit(transform(modelview, direction));
 }
 
-// From the eye to the vertex, mirrored at its normal.
+// Returns the direction from the eye to the vertex, reflected about its normal.
 Vector reflected(const Vector& eye, const Vector& normal) {
   const Vector u = unit(eye);
   const float along = 2 * (u[0] * normal[0] + u[1] * normal[1] + u[2] * normal[2]);

@@ -1,4 +1,4 @@
-// Texture coordinates as the fixed function makes them of a vertex: generated, and multiplied by a matrix.
+// Computes texture coordinates as the fixed function does: generated, and multiplied by a matrix.
 #pragma once
 
 #include "preload/capture/draw_state.h"
@@ -6,7 +6,7 @@
 
 namespace sideray::run {
 
-// What of OpenGL's state the coordinates of a unit depend on; 0 = on nothing, they are those of the vertices.
+// Returns a hash of the state on which a unit's coordinates depend; 0 = the vertices' own coordinates are used.
 uint64_t hash_of_coordinates(const DrawState& state, int unit);
 
 // Writes the coordinates (s, t) of a unit into u and v of each vertex's `uv[unit]`.

@@ -10,7 +10,7 @@ namespace sideray::run {
 namespace {
 
 constexpr uint64_t frames_a_cleaning = 8;
-constexpr uint64_t frames_kept = 120;  // of materials and textures: longer than meshes, which hold none
+constexpr uint64_t frames_kept = 120;  // for materials and textures: longer than for meshes, which refer to none
 constexpr float sky_scale = 1000;
 
 bool is_affine_and_invertible(const Matrix& m) {
@@ -127,7 +127,7 @@ sideray_texture_slot TracedScene::slot(const Texture& from) {
 }
 
 sideray_material TracedScene::opaque_material(const SceneDraw& draw) {
-  // Of what is blended (clouds, hills before a sky) rays see what covers more than half.
+  // Rays hit blended surfaces (clouds, hills before a sky) where their alpha is more than a half.
   const DrawState& state = *draw.state;
   const float cutoff = state.blend ? 0.5f : state.alpha_test ? state.alpha_reference : 0;
   return material({{draw.textures[0]->hash, draw.textures[1]->hash}, Role::opaque, cutoff}, draw);
@@ -167,7 +167,7 @@ sideray_material_desc TracedScene::describe(const MaterialKey& key, const SceneD
       desc.ior = key.role == Role::bent ? key.value : 1.5f;
       break;
   }
-  // Layers of glass are what it mirrors: holes of its texture are those of the program's own picture.
+  // The layers of glass hold only its reflection, so holes of its texture show the program's own picture.
   if (key.textures[0] != 0) desc.base_color_texture = slot(*draw.textures[0]);
   if (key.textures[1] != 0) {
     desc.emissive_texture = slot(*draw.textures[1]);  // a light map: Looks multiplies by it
@@ -207,8 +207,8 @@ void TracedScene::add_sky(const SceneDraw& draw) {
   wanted_.push_back(instance);
 }
 
-// What bends light is two surfaces, of which the one that reflects lies before the other by a rounding: then what the program
-// draws of its own goes between the two.
+// Adds a refracting surface as two: the reflecting one lies slightly in front, so that the program's own draw of it
+// goes between the two.
 MirrorIds TracedScene::add_mirror(const SceneDraw& draw, const Rule& rule) {
   constexpr float behind = 1.0001f;
   sideray_instance_desc instance{};
@@ -233,7 +233,7 @@ MirrorIds TracedScene::add_mirror(const SceneDraw& draw, const Rule& rule) {
 void TracedScene::add_caster(const SceneDraw& draw) {
   sideray_instance_desc caster{};
   if (!place(draw, 1, true, caster)) return;
-  // The alpha of vertices is the mesh's.
+  // The mesh has the vertices' alpha.
   const float alpha = draw.state->blend && !draw.state->shows_colors() ? draw.state->alpha : 1.0f;
   caster.material = material({{draw.textures[0]->hash, 0}, Role::caster, alpha}, draw);
   caster.visibility = SIDERAY_VISIBLE_SHADOW;
@@ -257,7 +257,7 @@ void TracedScene::set_sun(const FixedLight* sun) {
 void TracedScene::set_background(const std::array<float, 3>& color) {
   if (color == background_) return;
   background_ = color;
-  std::array<float, 12> linear;  // two by two pixels, the fewest that there may be
+  std::array<float, 12> linear;  // 2x2 pixels, the smallest environment
   for (size_t i = 0; i < linear.size(); ++i) linear[i] = std::pow(std::clamp(color[i % 3], 0.0f, 1.0f), 2.2f);
   scene_.set_environment(2, 2, linear.data(), 1, 0);
 }
@@ -265,7 +265,7 @@ void TracedScene::set_background(const std::array<float, 3>& color) {
 void TracedScene::commit() {
   const size_t common = std::min(held_.size(), wanted_.size());
   const std::span wanted(wanted_);
-  // Surplus ones go first: their surface ids may be wanted again.
+  // Removes surplus instances first, because their surface ids may be used again.
   if (held_.size() > common) scene_.remove_instances(std::span(held_).subspan(common));
   held_.resize(common);
   if (common > 0) scene_.replace_instances(held_, wanted.first(common));
@@ -277,13 +277,13 @@ void TracedScene::commit() {
   scene_.commit();
 }
 
-// Frames in flight go on to read the looks with which they were submitted.
+// Copies the looks, because frames in flight still read the looks with which they were submitted.
 void TracedScene::set_looks() {
   sideray_shader_desc shader = sideray_shader_defaults();
   shader.shade = Looks::shade;
   shader.user = new Looks(looks_);
   shader.release = [](void* looks) { delete static_cast<Looks*>(looks); };
-  shader.radiance_space = SIDERAY_SPACE_GAMMA22;  // the fixed function adds up what is shown
+  shader.radiance_space = SIDERAY_SPACE_GAMMA22;  // the fixed function adds display values
   scene_.set_shader(shader);
 }
 

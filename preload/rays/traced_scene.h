@@ -1,5 +1,5 @@
-// The scene that rays see, in eye space: what the program has drawn in this frame. Meshes, textures and materials stay from
-// frame to frame by what they hold.
+// Holds the scene that rays hit, in eye space: the draws of this frame. Meshes, textures and materials are reused in
+// later frames if their contents are the same.
 #pragma once
 
 #include <sideray/sideray.hpp>
@@ -17,7 +17,7 @@
 
 namespace sideray::run {
 
-// A draw as the scene takes it.
+// Describes a draw for the scene.
 struct SceneDraw {
   const Geometry* geometry = nullptr;
   uint64_t hash = 0;  // of the geometry
@@ -26,26 +26,26 @@ struct SceneDraw {
   float tint[4] = {1, 1, 1, 1};
 };
 
-// The surface ids of what reflects; 0 = rays cannot hit it.
+// Holds the surface ids of a reflector; 0 = rays cannot hit it.
 struct MirrorIds {
-  uint32_t mirror = 0;  // what it reflects
-  uint32_t bent = 0;    // what is seen through it, where it bends light
+  uint32_t mirror = 0;  // of the layer with its reflection
+  uint32_t bent = 0;    // of the layer with what is seen through it, if it refracts
 };
 
 class TracedScene {
  public:
   TracedScene();
-  // Empties the frame. Meshes, materials and textures that were not drawn for a while are dropped.
+  // Removes the last frame's draws, and frees meshes, materials and textures that were not drawn for a while.
   void begin_frame();
   void add_opaque(const SceneDraw& draw);
-  // A sheet of the sky, which is moved out to where it hides nothing.
+  // Adds a surface of the sky, moved so far away that it hides nothing.
   void add_sky(const SceneDraw& draw);
-  // What reflects, as a rule says. Its ids are those that it had in the frame before.
+  // Adds a reflecting surface with its rule. It keeps the ids of the previous frame.
   MirrorIds add_mirror(const SceneDraw& draw, const Rule& rule);
-  // The light that casts shadows, in eye space; null = none. Where there has been one, draws cast shadows.
+  // Sets the light that casts shadows, in eye space; null = none. Once there was one, draws cast shadows.
   void set_sun(const FixedLight* sun);
   void set_background(const std::array<float, 3>& color);
-  // Frames that were submitted before keep what they had.
+  // Commits the scene. Frames submitted earlier keep their own snapshot.
   void commit();
 
   const Tracer& tracer() const { return tracer_; }
@@ -57,7 +57,7 @@ class TracedScene {
   struct Mesh {
     sideray_mesh name = 0;
     uint64_t first_frame = 0, last_frame = 0;
-    // Vertices that the program makes anew for each frame are not kept for long.
+    // Meshes of a single frame expire early, because a program may make their vertices anew for each frame.
     bool is_old(uint64_t now) const { return now - last_frame > (last_frame > first_frame ? 60u : 2u); }
   };
   template <typename Name>
@@ -65,12 +65,12 @@ class TracedScene {
     Name name = 0;
     uint64_t last_frame = 0;
   };
-  // What a surface is for rays.
+  // Says how rays treat a surface.
   enum class Role { opaque, mirror, clear_mirror, bent, caster };
   struct MaterialKey {
     uint64_t textures[2] = {0, 0};
     Role role = Role::opaque;
-    float value = 0;  // of opaque: the cutoff of alpha; of bent: the index of refraction; of caster: alpha
+    float value = 0;  // opaque: alpha cutoff; bent: index of refraction; caster: alpha
     auto operator<=>(const MaterialKey&) const = default;
   };
   // `colored`: with the vertices' colours, if they count.
@@ -97,8 +97,8 @@ class TracedScene {
   std::map<uint64_t, Mesh> meshes_;
   std::map<uint64_t, Kept<sideray_texture>> textures_;
   std::map<MaterialKey, Kept<sideray_material>> materials_;
-  std::vector<sideray_instance_desc> wanted_;  // of this frame
-  std::vector<sideray_instance> held_;         // in the scene
+  std::vector<sideray_instance_desc> wanted_;  // instances of this frame
+  std::vector<sideray_instance> held_;         // instances in the scene
 };
 
 }  // namespace sideray::run
