@@ -205,8 +205,8 @@ uniform sampler2DArray directional_tints, local_tints;  // rgb: optical depth; w
 uniform ivec2 tint_maps_of;                             // which of the two exist
 uniform bool tints_reversed;
 
-// Returns the tint at a distance from the light: none in front of a texel's first translucent surface, behind it that of
-// all of them without `own`, the receiver's optical depth.
+// Returns the tint at a distance from the light: white in front of a texel's first translucent surface; behind it the
+// tint of all its surfaces without `own`, the receiver's optical depth.
 vec3 tint_from(sampler2DArray map, vec2 uv, float layer, float away, vec3 own) {
   ivec2 last = textureSize(map, 0).xy - 1;
   vec2 at = uv * vec2(last + 1) - 0.5;
@@ -264,7 +264,7 @@ vec3 tint_by_mask(int i) {
 #ifdef SR_TRANSLUCENT
 uniform bool tints_light;  // the surface is in the maps
 
-// Returns the surface's own optical depth toward a light. That of a solid is unknown: all of it counts as its own.
+// Returns the surface's own optical depth toward a light. A solid's is unknown: the whole depth counts as its own.
 vec3 own_depth(SrSurface s, vec3 to_light) {
   if (v_solid != 0u) return vec3(1e6);
   if (!tints_light) return vec3(0.0);
@@ -274,7 +274,7 @@ vec3 own_depth(SrSurface s, vec3 to_light) {
 vec3 own_depth(SrSurface s, vec3 to_light) { return vec3(0.0); }
 #endif
 
-// Returns the share of a light's colour that other translucent surfaces let pass: by rays where the light has a mask.
+// Returns the share of a light's colour that other translucent surfaces let pass, by rays if the light has a mask.
 vec3 tint_of(int i, SrSurface s, vec3 position, vec3 to_light) {
 #ifdef SR_MASKS
 #ifdef SR_TINTS
