@@ -11,7 +11,7 @@
 
 namespace {
 
-// After a window is closed, a picture that takes longer is left in the middle.
+// A picture that takes longer than this after the window was closed is abandoned.
 constexpr double most_seconds_to_end = 0.3;
 
 std::string program_beside() {

@@ -39,7 +39,7 @@ void Navigation::look(const glm::dvec3& eye, const glm::dvec3& target, double fo
   is_free_ = true;
 }
 
-// An orthographic camera becomes one with perspective once it is moved.
+// An orthographic camera becomes a perspective camera as soon as it is moved.
 sideray_camera Navigation::camera(const sideray_camera& of_file, double distance) {
   if (is_free_) return scenes::look_at(&eye_.x, &target_.x, static_cast<float>(fov_deg_));
   eye_ = eye_of(of_file);

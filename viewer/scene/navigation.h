@@ -1,4 +1,4 @@
-// A camera that people move: around a point, through the scene, or as the file has it. Any thread.
+// A camera that the user moves around a point or through the scene, or that follows a camera of the file. Any thread.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -9,21 +9,22 @@ namespace sideray::viewer {
 
 class Navigation {
  public:
-  // As the file's camera number `index` has it, until it is moved. Empty: framed.
+  // Follows the file's camera `index` until the user moves it. Empty: frames the scene.
   void follow(std::optional<size_t> index) { file_camera_ = index, is_free_ = false; }
   std::optional<size_t> file_camera() const { return is_free_ ? std::nullopt : file_camera_; }
   bool is_free() const { return is_free_; }
   void look(const glm::dvec3& eye, const glm::dvec3& target, double fov_deg);
 
-  // The camera that is seen now. Until it is moved that is `of_file`, from which moving goes on; things are `distance` away.
+  // Returns the current camera: `of_file` until the user moves it. Movement then starts from `of_file`, with the target
+  // `distance` ahead.
   sideray_camera camera(const sideray_camera& of_file, double distance);
 
-  // Angles in radians, about the point `pivot`, and about the eye. The horizon stays level, and straight up is not crossed.
+  // Rotate, in radians, about `pivot` or the eye. The horizon stays level, and the camera never crosses straight up.
   void orbit(const glm::dvec3& pivot, double right, double down);
   void turn(double right, double down) { orbit(eye_, right, down); }
-  // Right, up and forward, in world units.
+  // Moves right, up and forward, in world units.
   void move(const glm::dvec3& by);
-  // Nearer to the point, which keeps its place in the picture, by a factor on the distance.
+  // Scales the distance to a point by `factor`; the point keeps its place in the picture.
   void approach(const glm::dvec3& point, double factor);
 
   glm::dvec3 eye() const { return eye_; }
@@ -37,7 +38,8 @@ class Navigation {
   double fov_deg_ = 45;
 };
 
-// The direction through a place of the picture (0..1 from its top left corner), scaled to 1 along the view axis.
+// Returns the direction through a place of the picture (0..1 from its top left corner), with length 1 along the view
+// axis.
 glm::dvec3 direction_through(const sideray_camera& camera, double x, double y, double aspect);
 glm::dvec3 eye_of(const sideray_camera& camera);
 

@@ -1,4 +1,4 @@
-// A scene as its file has it, with its surroundings, ready to be drawn at any moment of its animation. Any thread, several at once.
+// Holds the scene of a file and its surroundings, to be drawn at any time of its animation. Any threads, also at once.
 #pragma once
 
 #include <sideray/plan.h>
@@ -28,25 +28,25 @@ class SceneFile {
   explicit SceneFile(const SceneSource& source);
 
   const SceneSource& source() const { return source_; }
-  // What is said of it never changes; where things are does, so that `content` is read for names and materials only.
+  // Returns the content. Read only names and materials: other threads may move its objects.
   const scenes::Content& content() const { return content_; }
   bool moves() const { return scenes::moves(content_); }
   double length_s() const;  // of its longest animation; 0 = none
-  double radius() const { return radius_; }  // half the diagonal of all that is in it
+  double radius() const { return radius_; }  // half the diagonal of the scene's bounds
 
-  // The camera `index` of the file at that time; one that frames everything where the file has none.
+  // Returns the file's camera `index` at a time; if the file has no camera, one that frames everything.
   sideray_camera camera(size_t index, double time_s, float aspect);
   sideray_camera framing(float aspect);
 
-  // The scene at that time. `selected` is the option ray-traced, "" = auto; `camera` and size are what "largest:K" of it is
-  // of. Throws Error where the selection does not fit.
+  // Returns the scene at a time. `selected`: the option ray-traced, "" = auto; its "largest:K" means the largest objects
+  // as seen by `camera` at this size. Throws Error if the selection does not fit the scene.
   const Scene& at(double time_s, const std::string& selected, const sideray_camera& camera, uint32_t width, uint32_t height);
-  // Whether the object was selected when the scene was last drawn.
+  // Returns whether the object was selected when the scene was last drawn.
   bool is_traced(size_t object);
   sideray_scene_facts facts();
 
-  // Whether the file of the scene or of its surroundings is another one than was read, or than at the call before: each change
-  // is told once. Main thread.
+  // Returns whether the file of the scene or of its surroundings has changed since it was read or since the last call.
+  // Main thread.
   bool has_changed();
 
  private:
