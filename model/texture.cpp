@@ -55,7 +55,8 @@ Texture::Level halve(const Texture::Level& from, bool srgb) {
         for (uint32_t i = 0; i < columns.count; ++i) {
           const float part = rows.part[k] * columns.part[i];
           const uint8_t* texel = &from.rgba[size_t{4} * (size_t{rows.first + k} * from.width + columns.first + i)];
-          for (int c = 0; c < 4; ++c) mean[c] += part * (srgb && c < 3 ? table[texel[c]] : static_cast<float>(texel[c]));
+          for (int c = 0; c < 4; ++c)
+            mean[c] += part * (srgb && c < 3 ? table[texel[c]] : static_cast<float>(texel[c]));
         }
       uint8_t* out = &to.rgba[size_t{4} * (size_t{y} * to.width + x)];
       for (int c = 0; c < 4; ++c)
