@@ -20,7 +20,7 @@ constexpr uint32_t path_purpose = 72;
 constexpr float blur_of_sky = 0.25f;  // roughness of the lobe that a direction's light is averaged over
 constexpr int facing_steps = 2;         // steps of a normal's coordinate from 0 to 1
 constexpr float least_likeness = 0.8f;  // cosine between normals of surfaces that may be lit alike
-constexpr float off_plane = 4.0f;       // counts as so much farther away
+constexpr float off_plane = 4.0f;       // a distance off the plane counts as so many times longer
 
 // A cell's name holds its orientation and its position, with so many bits a coordinate.
 constexpr int place_bits = 18;
