@@ -38,8 +38,8 @@ class SceneFile {
   sideray_camera camera(size_t index, double time_s, float aspect);
   sideray_camera framing(float aspect);
 
-  // Returns the scene at a time. `selected`: the option ray-traced, "" = auto; its "largest:K" means the largest objects
-  // as seen by `camera` at this size. Throws Error if the selection does not fit the scene.
+  // Returns the scene at a time. `selected`: the option ray-traced, "" = auto; its "largest:K" means the objects that
+  // look largest from `camera` at this size. Throws Error if the selection does not fit the scene.
   const Scene& at(double time_s, const std::string& selected, const sideray_camera& camera, uint32_t width, uint32_t height);
   // Returns whether the object was selected when the scene was last drawn.
   bool is_traced(size_t object);
