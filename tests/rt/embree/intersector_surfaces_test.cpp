@@ -1,4 +1,4 @@
-// Closed forms: coplanar surfaces, shared edges and corners, who is hit by which rays.
+// Tests by closed forms: coplanar surfaces, shared edges and corners, and which instances a ray may hit.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ std::vector<uint32_t> instances_of(const std::vector<Hit>& hits) {
   return result;
 }
 
-// n x n cells of two triangles each over [-1, 1]^2 with heights at random; indexed, so that edges are shared.
+// Adds n x n cells of two triangles each over [-1, 1]^2 with random heights; edges are shared by indices.
 uint32_t add_height_field(SceneBuilder& scene, std::mt19937& random, uint32_t n, float height) {
   std::uniform_real_distribution<float> uniform(-height, height);
   std::vector<glm::vec3> positions;
@@ -108,7 +108,7 @@ TEST(CoplanarSurfaces, StaySeparateWhereARayMeetsTheirEdges) {
   }
 }
 
-// Whatever Embree says of a ray through the border of a surface, it misses it; what two surfaces share is no border.
+// A ray through a surface's border misses it, whatever Embree finds. An edge that two surfaces share is no border.
 TEST(Borders, AreMissedUnlessTheSurfaceGoesOn) {
   SceneBuilder scene;
   scene.add_material(true);

@@ -15,7 +15,7 @@ using namespace test;
 constexpr uint32_t width = 96, height = 64;
 constexpr double floor_y = 0.0, wall_z = -6.0, post_x = 0.4;
 
-// Returns what a ray hits first: the floor, the wall behind it, or the post before both.
+// Returns the distance of a ray's first hit: the floor, the wall behind it, or the post in front of both.
 double nearest(const Ray& ray) {
   const glm::dvec3 from(ray.origin), d(ray.direction);
   double least = 1e9;
@@ -83,7 +83,7 @@ TEST_P(Trail, finds_the_pixel_that_showed_the_point) {
           const glm::dvec2 at(row[i] % width, row[i] / width);
           ASSERT_LE(std::abs(at.x - place.x), 1.001) << x + i << ' ' << y;
           ASSERT_LE(std::abs(at.y - place.y), 1.001) << x + i << ' ' << y;
-          // Not another surface: what was shown there lies within the pixels about the point.
+          // The pixel showed the same surface: its point then lies within a few pixels of this point.
           ASSERT_LT(glm::distance(then.points[row[i]], now.points[pixel]), 0.5) << x + i << ' ' << y;
         }
       }
@@ -133,7 +133,7 @@ TEST_P(Trail, stays_where_nothing_moves) {
   for (uint32_t i = 0; i < frame_tile_size; ++i) EXPECT_EQ(row[i], 7 * width + 32 + i);
 }
 
-// A view that creeps along moves in the end.
+// Steps that are too small to count add up to a movement.
 TEST_P(Trail, is_not_fooled_by_small_steps) {
   Executor executor(1);
   PixelTrail trail;

@@ -16,7 +16,7 @@ using namespace test;
 
 constexpr uint32_t width = 64, height = 48, tile = frame_tile_size;
 
-// A closed room of 16 x 4 x 16 about the origin, whose insides shine.
+// Returns a closed room of 16 x 4 x 16 about the origin whose inner faces emit light.
 std::shared_ptr<const model::Snapshot> furnace(float albedo, glm::vec3 emission) {
   TestScene scene;
   const sideray_material_desc m = matt(albedo, emission);
@@ -60,7 +60,7 @@ glm::vec3 mean(const IrradianceImage& image) {
   return sum / static_cast<float>(width * height);
 }
 
-// Everywhere inside the light is e + a e + a^2 e + ... = e / (1 - a), of all bounces.
+// Everywhere in the furnace the light of all bounces is e + a e + a^2 e + ... = e / (1 - a).
 TEST(Irradiance, OfAFurnaceHasAllBounces) {
   const FloorFrame frame;
   for (const float albedo : {0.0f, 0.5f, 0.8f}) {
@@ -75,7 +75,7 @@ TEST(Irradiance, OfAFurnaceHasAllBounces) {
   }
 }
 
-// Nothing is hidden and nothing is hit: there is nothing to add, and no noise.
+// Paths hit nothing and the sky is open, so irradiance adds nothing, not even noise.
 TEST(Irradiance, OfAnOpenFieldIsNone) {
   TestScene scene;
   scene.quad({0, -2, 0}, {50, 0, 0}, {0, 0, 50}, matt(0.8f, glm::vec3(0.0f)));
@@ -167,7 +167,7 @@ struct Glow {
     return scene.commit();
   }
 
-  // The irradiance over pi at a place on the floor. A pane lets through what Schlick's term leaves, once, times its colour.
+  // Returns irradiance / pi at a place on the floor. The pane lets pass what Schlick's term leaves, times its colour.
   static glm::dvec3 light_at(double x, double z, bool with_pane) {
     constexpr int steps = 24;
     constexpr double side = 2.0 * half / steps;
@@ -186,7 +186,7 @@ struct Glow {
 
 class GlowAndPane : public testing::TestWithParam<bool> {};
 
-// Surfaces that shine light what is near them, tinted by glass on the way, as the integral over them says.
+// Emitters light surfaces near them, tinted by glass on the way, as the integral over the emitter predicts.
 TEST_P(GlowAndPane, LightWhatIsNear) {
   const FloorFrame frame;
   Tracer tracer({2, ""});
@@ -213,7 +213,8 @@ TEST_P(GlowAndPane, LightWhatIsNear) {
 
 INSTANTIATE_TEST_SUITE_P(Irradiance, GlowAndPane, testing::Bool());
 
-// A position of a still view takes turns at its tiles; when all have had one, it is what it would be without a budget.
+// Under a budget the tiles of a still view's position take turns. When all are traced, the result has the same bits as
+// without a budget.
 TEST(Irradiance, UnderABudgetComesToTheSameBits) {
   const FloorFrame frame;
   Tracer tracer({2, ""});
@@ -240,14 +241,14 @@ TEST(Irradiance, UnderABudgetComesToTheSameBits) {
     EXPECT_EQ(image.changed, turn == 1 || turn == tiles) << turn;
   }
   EXPECT_EQ(late, 0u);
-  // What else the position waits for finds it as it is.
+  // Further frames of the position leave it unchanged.
   request.position_frames = tiles + 1;
   EXPECT_EQ(tracer.trace_irradiance(request, image).rays_bounce, 0u);
   EXPECT_FALSE(image.changed);
   EXPECT_EQ(image.light, whole.light);
 }
 
-// Views of several sizes share a tracer, and each has a history of its own.
+// Views of several sizes share a tracer, but each has its own history.
 TEST(Irradiance, OfAViewKnowsNothingOfAnothers) {
   const FloorFrame frame;
   Tracer tracer({2, ""});

@@ -60,7 +60,7 @@ void add_floor_and_wall(TestScene& scene) {
   scene.environment(glm::vec3(1.0f));
 }
 
-// Everywhere inside the light is e + a e + a^2 e + ... = e / (1 - a); the sky outside has no part in it.
+// Everywhere in the furnace the light is e + a e + a^2 e + ... = e / (1 - a), without any of the sky outside.
 TEST(LightAround, OfAFurnaceHasAllBounces) {
   for (const float albedo : {0.0f, 0.5f, 0.8f}) {
     const glm::vec3 emission(0.5f, 0.25f, 0.125f);
@@ -86,7 +86,7 @@ TEST(LightAround, OfAFurnaceHasAllBounces) {
   }
 }
 
-// Nothing is hidden: the light is the sky's to the bit, without noise.
+// The sky is fully open, so the light equals the sky's to the bit.
 TEST(LightAround, OfAnOpenFieldIsTheSky) {
   TestScene scene;
   scene.quad({0, -2, 0}, {500, 0, 0}, {0, 0, 500}, matt(0.8f));
@@ -96,7 +96,7 @@ TEST(LightAround, OfAnOpenFieldIsTheSky) {
   EXPECT_EQ(with, without);
 }
 
-// Below an endless black ceiling that covers half of the sky, half of it is left.
+// An endless black ceiling covers half of the sky, so half of its light is left.
 TEST(LightAround, OfHalfASkyIsHalf) {
   TestScene scene;
   scene.quad({0, -2, 0}, {50, 0, 0}, {0, 0, 50}, matt(0.5f));
@@ -108,7 +108,7 @@ TEST(LightAround, OfHalfASkyIsHalf) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], 0.5f * all[c], 0.04f * all[c]);
 }
 
-// The next wall is lit otherwise: points of two rooms that a thin wall parts do not share what they found.
+// Points in two rooms with different light do not share paths through the thin wall between them.
 TEST(LightAround, EndsAtAWall) {
   TestScene scene;
   const auto room = [&](double x, glm::vec3 emission) {

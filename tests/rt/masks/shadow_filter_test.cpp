@@ -1,4 +1,4 @@
-// The shadow denoiser against closed forms: the penumbra of a half-plane, constants, edges of depth, switched lights.
+// Tests the shadow denoiser by closed forms: the penumbra of a half-plane, constants, depth edges, switched lights.
 #include "rt/masks/shadow_filter.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr float infinite = std::numeric_limits<float>::infinity();
 
-// Numbers from a counter (PCG hash, Jarzynski and Olano 2020).
+// Returns a random number from a counter (PCG hash, Jarzynski and Olano 2020).
 float number(uint32_t which) {
   uint32_t state = which * 747796405u + 2891336453u;
   const uint32_t word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
@@ -41,13 +41,13 @@ struct Clip {
   }
 };
 
-// How much of a sun in the zenith a half-plane at that height hides from a point x in front of its edge.
+// Returns the visible share of a sun in the zenith, at x from the edge of a half-plane at `height` that hides it.
 double visible(double x, double height, double tan_radius) {
   const double u = std::clamp(x / (height * tan_radius), -1.0, 1.0);
   return 1.0 - (std::acos(u) - u * std::sqrt(1.0 - u * u)) / 3.14159265358979;
 }
 
-// Samples of that; the edge lies under column `edge`.
+// Fills a clip with samples of visible(); the edge lies above column `edge`.
 void sample(Clip& clip, double height, double edge, uint32_t seed) {
   for (uint32_t y = 0; y < clip.height; ++y)
     for (uint32_t x = 0; x < clip.width; ++x) {
@@ -110,7 +110,7 @@ TEST(ShadowFilter, constants_stay) {
   }
 }
 
-// On the left a lit surface nearer than one in shadow on the right: neither takes from the other.
+// A lit surface on the left is nearer than a surface in shadow on the right; the filter must not mix them.
 TEST(ShadowFilter, edges_of_depth_do_not_bleed) {
   Executor executor(1);
   Clip clip;
@@ -139,7 +139,7 @@ TEST(ShadowFilter, slopes_are_no_edges) {
   filter.spatial(executor, clip.input(), clip.result);
   double sum = 0.0;
   for (const float v : clip.result) sum += (static_cast<double>(v) - 0.5) * (static_cast<double>(v) - 0.5);
-  // Samples as many as sf_samples() says would leave 0.5 / sqrt(n).
+  // As many samples as sf_samples() claims would have the error 0.5 / sqrt(n).
   const auto n = static_cast<double>(shading::sf_samples(shading::sf_most_reach));
   EXPECT_LT(std::sqrt(sum / static_cast<double>(clip.result.size())), 1.5 * 0.5 / std::sqrt(n));
 }
@@ -153,7 +153,7 @@ TEST(ShadowFilter, a_contact_stays_sharp) {
   for (size_t i = 0; i < clip.result.size(); ++i) ASSERT_EQ(clip.result[i], clip.visibility[i]);
 }
 
-// Frames until the error is halved after all light is switched on, and after a penumbra appears where all was lit.
+// The error is halved within four frames after all light is switched on, in a dark picture and in a noisy one.
 TEST(ShadowFilter, ghosts_halve_within_four_frames) {
   Executor executor(1);
   Clip clip;
@@ -176,12 +176,12 @@ TEST(ShadowFilter, ghosts_halve_within_four_frames) {
   };
   EXPECT_EQ(mean_after(12, share(0.0f)), 0.0);
   EXPECT_GE(mean_after(4, share(1.0f)), 0.5);
-  // Noise before and after: tiles are never all the same.
+  // The masks are noisy before and after, so no tile is uniform.
   EXPECT_LT(mean_after(12, share(0.05f)), 0.1);
   EXPECT_GE(mean_after(4, share(0.95f)), 0.5);
 }
 
-// A shadow's edge that moves by four pixels a frame over a still floor: what it leaves is lit again within four frames.
+// A shadow's edge moves by four pixels a frame over a still floor. Pixels that it leaves are lit within four frames.
 TEST(ShadowFilter, moving_shadows_leave_no_trail) {
   Executor executor(1);
   Clip clip;
@@ -191,7 +191,7 @@ TEST(ShadowFilter, moving_shadows_leave_no_trail) {
     filter.spatial(executor, clip.input(), clip.result);
     filter.temporal(executor, clip.input(), clip.result);
   }
-  // 36 pixels on: the edge stood at column 56. Its shadow lies to the left of it.
+  // The edge stands at column 56, 36 pixels further; its shadow lies to the left.
   EXPECT_LT(error(clip, clip.result, 0.8, 56.0), 0.12);
 }
 
@@ -254,7 +254,7 @@ TEST(ShadowFilter, same_bits_for_any_threads_and_instruction_set) {
     }
 }
 
-// The same as bytes, with what its tiles see.
+// Holds a clip's masks as bytes, and what its tiles see.
 struct Bytes {
   std::vector<uint8_t> mask, seen;
 
@@ -283,7 +283,7 @@ std::vector<uint8_t> rounded(const std::vector<float>& values) {
   return bytes;
 }
 
-// A narrow penumbra in a large picture: most tiles are left out, in a frame alone and in one that another follows.
+// A narrow penumbra in a large picture lets the filter skip most tiles, with and without a following frame.
 TEST(ShadowFilter, tiles_left_out_change_nothing) {
   Executor executor(2);
   Clip clip(211, 147);
@@ -318,7 +318,7 @@ TEST(ShadowFilter, tiles_left_out_change_nothing) {
   }
 }
 
-// Lights of one picture, of which some are left out in a frame, and whose picture becomes smaller.
+// Several lights are filtered at once; some are missing in one frame, and then the picture becomes smaller.
 TEST(ShadowFilter, lights_at_once_have_the_bits_of_each_alone) {
   Executor executor(3);
   std::vector<ShadowFilter> together(3), alone(3);
@@ -413,7 +413,7 @@ TEST(ShadowFilter, colours_of_one_light_have_the_bits_of_each_alone) {
   }
 }
 
-// What the kernels make of a picture of one tile when none of the passes is left out.
+// Returns the kernels' result for a picture of one tile, with all passes.
 std::vector<float> in_all_passes(const Clip& clip) {
   constexpr int32_t side = shadow_tile, stride = 3 * side;
   const shading::SfView& v = clip.view;
@@ -455,7 +455,7 @@ std::vector<float> in_all_passes(const Clip& clip) {
   return result;
 }
 
-// Reaches that end with each of the passes, or before them.
+// The reaches are such that the filter may stop after each of the passes, or before the first.
 TEST(ShadowFilter, passes_left_out_change_nothing) {
   Executor executor(1);
   for (const double height : {0.05, 0.1, 0.2, 0.4, 0.8, 1.2, 1.6, 3.0, 6.0}) {

@@ -1,5 +1,5 @@
-// Shading in lanes against shading of single numbers, over materials, angles and lights; the same bits from every
-// instruction set; and the lanes' own functions against the library's in double precision.
+// Compares shading in lanes with shading of single points, over materials, angles and lights; bits of the instruction
+// sets with each other; and the lanes' functions with the library's in double precision.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -131,7 +131,7 @@ struct Scenario {
     }
   }
 
-  // Without rays: nothing blocks, mirrors show the environment.
+  // Shades without rays: all lights are visible, and mirrors show the environment.
   std::vector<glm::vec3> batched(const char* isa) {
     SurfaceBatch batch;
     batch.begin(*shading, isa);
@@ -207,7 +207,7 @@ TEST(ShadeKernels, give_the_same_bits_with_every_instruction_set) {
   }
 }
 
-// A point's light does not depend on what it is shaded together with.
+// A point's light does not depend on the other points of its batch.
 TEST(ShadeKernels, give_the_same_bits_in_every_company) {
   Scenario scenario(200);
   const std::vector<glm::vec3> together = scenario.batched("avx2");
@@ -219,7 +219,7 @@ TEST(ShadeKernels, give_the_same_bits_in_every_company) {
   }
 }
 
-// Lights that nothing blocks are added in the kernels, in the order in which those with shadow rays are.
+// Kernels add lights without shadow rays in the same order as lights with shadow rays.
 TEST(ShadeKernels, add_lights_as_their_gains_would_be_added) {
   Scenario scenario(many);
   for (const char* isa : kernel_sets()) {
@@ -292,7 +292,7 @@ TEST_P(SkyLookUps, are_those_of_single_hits_bit_for_bit) {
   }
 }
 
-// Broken geometry reaches the kernels as numbers that are none: no look-up may leave its image.
+// Broken geometry reaches the kernels as NaN and infinity; look-ups must stay within their image.
 TEST(ShadeKernels, take_anything) {
   Scenario scenario(32);
   for (SurfacePoint& p : scenario.points) p.surface.normal = glm::vec3(NAN), p.to_eye = glm::vec3(INFINITY);
