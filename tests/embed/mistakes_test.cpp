@@ -167,7 +167,7 @@ TEST(ViewFromMatrices, IsThatOfTheEngine) {
   for (int c = 0; c < 4; ++c)
     for (int r = 0; r < 4; ++r) EXPECT_NEAR(product[c][r], c == r ? 1 : 0, 1e-9);
   EXPECT_EQ(make(glm::ortho(-1.0, 1.0, -1.0, 1.0), modelview), SIDERAY_OK) << error.message;
-  // A left-handed engine's, whose view looks along +z.
+  // The projection of a left-handed engine, whose view looks along +z.
   EXPECT_EQ(make(glm::perspectiveLH(0.9, 1.5, 0.1, 50.0), modelview), SIDERAY_OK) << error.message;
   EXPECT_EQ(make(projection, glm::transpose(modelview)), SIDERAY_INVALID_ARGUMENT);
   EXPECT_THAT(error.message, AllOf(HasSubstr("modelview"), HasSubstr("transposed")));

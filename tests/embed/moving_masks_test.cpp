@@ -23,7 +23,7 @@ namespace {
 constexpr int width = 240, height = 160;
 constexpr size_t pixels = size_t{width} * height;
 
-// As sideray.glsl numbers them.
+// The reasons, numbered as in sideray.glsl.
 constexpr float matched = 0, not_asked = 1, not_traced = 3, other_surface = 6, beside = 7;
 
 struct Box {
@@ -305,7 +305,7 @@ TEST_P(MovingMasks, FollowWhatMoves) {
   EXPECT_NEAR(middles_of_masks()[leg].x, middles_[leg].x, 1e-6);
   const std::vector<Look> truth = draw(*own_pixel_, 0.3, middles_);
   const Errors moving = compare(found, truth);
-  // The leg's own shadow on the floor is one frame late, which is no fringe.
+  // The leg's own shadow on the floor is one frame late; its pixels are no fringe.
   EXPECT_LT(moving.wrong, 700u);
   EXPECT_LT(moving.wrong_beside, 120u);
   const auto on_leg = [&](const std::vector<Look>& looks, int y) {

@@ -38,7 +38,8 @@ std::vector<fs::path> scenes_below(const fs::path& folder) {
   return paths;
 }
 
-// "" where the file loads, and then a scene must take the content; else the message, which must be one clear line.
+// Returns "" if the file loads, when a scene must also take its content; otherwise the message, which must be one clear
+// line.
 std::string outcome(const std::string& path) {
   std::optional<Content> content;
   const std::string message = message_of([&] { content = load(path); });
@@ -134,7 +135,7 @@ TEST(Robust, ABuiltInSceneCutAnywhereIsRefused) {
   const ScratchFolder folder;
   write_glb(folder / "whole.glb", load("panes"));
   const std::vector<uint8_t> whole = bytes_of(folder / "whole.glb");
-  // The frame and the JSON byte by byte; what follows are bytes of one chunk.
+  // Cuts header and JSON at each byte, and the binary chunk that follows at few.
   const size_t frame = std::min<size_t>(whole.size(), 4096);
   tests::MemoryFile cut(".glb");
   for (size_t length = 0; length < whole.size(); length += length < frame ? 1 : 997) {
@@ -143,8 +144,8 @@ TEST(Robust, ABuiltInSceneCutAnywhereIsRefused) {
   }
 }
 
-// Bytes replaced, one at a time, by their neighbours in bits and by characters that JSON gives a meaning: every
-// `step`th of the corpus.
+// Replaces every `step`th byte of the corpus, one at a time, by values with one bit changed and by characters that have
+// a meaning in JSON.
 void expect_refused_or_loaded(size_t step) {
   std::mt19937 random(1);
   size_t loaded = 0, refused = 0, bytes = 0;

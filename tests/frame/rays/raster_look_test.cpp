@@ -80,7 +80,7 @@ TEST(LayersByRays, AreThoseOfTheCache) {
   }
 }
 
-// The picture is the one without them.
+// The picture is the same with and without the output of layers.
 TEST(LayersByRays, ChangeNothingElse) {
   const scenes::Content content = scenes::generate("solids", {});
   tests::Setup setup = by_rays({});
