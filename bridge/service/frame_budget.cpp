@@ -7,6 +7,8 @@ namespace {
 
 // The least share of the time for rays that a job gets.
 constexpr double job_least_share = 0.125;
+// A starved job that has its turn gets this part of the budget: in one piece alone all threads but one would be idle.
+constexpr int part_of_turn = 8;
 
 double ms_between(FrameBudget::Time from, FrameBudget::Time to) {
   return std::chrono::duration<double, std::milli>(to - from).count();
@@ -48,7 +50,7 @@ FrameBudget::Time FrameBudget::begin(uint32_t view_id, double budget_ms) {
   const Time now = Clock::now();
   const uint32_t view = 1u << view_id;
   const bool joins = round_ && now < round_->end && (round_->views & view) == 0;
-  if (!joins) round_ = Round{now + milliseconds(budget_ms), 0};
+  if (!joins) round_ = Round{now + milliseconds(budget_ms), 0, milliseconds(budget_ms)};
   round_->views |= view;
   return round_->end;
 }
@@ -79,7 +81,9 @@ FrameBudget::Turn FrameBudget::start(uint32_t view_id, size_t job, const std::ar
   // Of frames that end together at least one job traces something.
   const bool traces = left > 0.0 || (waited_longest && last_turn_ != end);
   if (traces) own.waited = 0, last_turn_ = end;
-  return {now, now + milliseconds(std::max(left * share, 0.0)), left <= 0.0, traces};
+  const bool starved = left <= 0.0;
+  const Clock::duration least = starved && traces && round_ ? round_->budget / part_of_turn : Clock::duration{0};
+  return {now, now + milliseconds(std::max(left * share, 0.0)), starved, traces, least};
 }
 
 void FrameBudget::finish(uint32_t view_id, size_t job, const Turn& turn, const rt::Counters& counters) {

@@ -34,8 +34,11 @@ class FrameBudget {
     Time begun, stop;  // no ray begins after `stop`
     bool starved;      // there was no time left for rays
     bool traces;       // at least one piece is traced, even if starved; otherwise none
+    Clock::duration least;  // the time that rays have in any case: a part of the budget if a starved job has its turn
 
-    rt::WorkTime work() const { return {.deadline = stop, .least_pieces = traces ? 1u : 0u, .ends_in_time = true}; }
+    rt::WorkTime work() const {
+      return {.deadline = stop, .least = least, .least_pieces = traces ? 1u : 0u, .ends_in_time = true};
+    }
   };
   // Begins to trace a job. `later`: whether the frame has jobs of higher indices.
   Turn start(uint32_t view_id, size_t job, const std::array<bool, job_count>& later, Time end);
@@ -55,6 +58,7 @@ class FrameBudget {
   struct Round {
     Time end;
     uint32_t views;  // a bit for each
+    Clock::duration budget;
   };
 
   std::mutex mutex_;

@@ -159,11 +159,13 @@ TEST_F(Retrofitted, AnimationGoesOnLateAndUnderABudget) {
     settings.wait = false, settings.budget_ms = budget_ms;
     sideray_irrlicht::Retrofit retrofit(room.device(), settings);
     Picture last;
+    size_t layers = 0;
     for (unsigned i = 0; i < 40; ++i) {
       room.set_time(30 * i);
       last = frame(retrofit);
+      layers += retrofit.stats().layers_found;
     }
-    EXPECT_GT(retrofit.stats().layers_found, 0u) << "a piece of the picture at least";
+    EXPECT_GT(layers, 0u) << "glass has a turn";
     room.set_time(0);
     const Picture first = frame(retrofit);
     EXPECT_GT(changed(first, last), 50u) << budget_ms;

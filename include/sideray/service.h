@@ -417,7 +417,7 @@ typedef struct sideray_frame_stats {
   uint64_t answer_age; /* age of the oldest answer shown, in frames with changes */
   /* Reflecting pixels without a reflection; and with one from an earlier frame. */
   uint64_t reflection_pixels_late, reflection_pixels_older;
-  uint64_t jobs_starved; /* jobs without time for rays in the budget: they trace one piece if it is their turn */
+  uint64_t jobs_starved; /* jobs without time for rays in the budget: they trace a few pieces if it is their turn */
   /* Age of the least recently traced piece of the picture, in frames; 0 = all was traced in this one. */
   uint64_t frames_waiting;
   uint64_t rays_bounce; /* of irradiance: rays of paths, and rays to the sky */

@@ -97,7 +97,10 @@ TraceEnd FrameChunks::run(const LayerRequest& request, Executor& executor, const
   }
   std::atomic<bool> cancelled{false};
   WorkTime work = request.work;
-  if (work.least_pieces > 0) work.least_pieces += first_parts_ - 1;
+  if (first_parts_ > 1) {  // one chunk of glass that bends light may take longer than all other jobs
+    work.least_pieces += work.least_pieces > 0 ? first_parts_ - 1 : 0;
+    work.least = {};
+  }
   WorkClock clock(work);
   std::atomic<size_t> next{0};
   executor.run(count(), [&](size_t numbered, uint32_t thread) {

@@ -299,9 +299,9 @@ TEST_F(Render, LayersZeroIsRaster) {
   EXPECT_EQ(run("compare a.exr b.exr --fail-above 0 --metric relmse").exit_code, 0);
 }
 
-// With a budget that is spent before any ray, each frame of a sequence still traces a piece of each job.
-TEST_F(Render, ABudgetThatIsSpentGoesOnInPieces) {
-  render("panes -o b.####.exr --size 160x90 --frames 0-6 --budget 0.001 --stats b.json");
+// With a budget that is spent before any ray, the jobs of a sequence take turns: of four frames, each traces in one.
+TEST_F(Render, ABudgetThatIsSpentGoesOnInTurns) {
+  render("panes -o b.####.exr --size 160x90 --frames 0-18 --budget 0.001 --stats b.json");
   std::istringstream lines(text_of(path("b.json")));
   std::string line;
   std::vector<uint64_t> late;
@@ -311,9 +311,10 @@ TEST_F(Render, ABudgetThatIsSpentGoesOnInPieces) {
     EXPECT_GT(frame["starved"], 0);
     late.push_back(frame["pixels"]["late"]);
   }
-  ASSERT_EQ(late.size(), 7u);
-  // From the third frame on the view counts as still, and continues at its first position.
-  for (size_t f = 3; f < late.size(); ++f) EXPECT_LT(late[f], late[f - 1]) << f;
+  ASSERT_EQ(late.size(), 19u);
+  // From the third frame on the view counts as still, and continues at its first position: glass goes on in its turns,
+  // and what is moved along to it in between may lose pixels.
+  EXPECT_LT(late[18] + 100, late[3]);
   expect_refused("render panes -o c.exr --budget 5 --deadline 5", 2, "budget");
   expect_refused("render panes -o c.exr --budget 5 --max-ms 50", 2, "--max-ms");
   expect_refused("render panes -o c.exr --budget 0", 2, "--budget");

@@ -202,6 +202,18 @@ TEST(FrameBudgets, ThatAreSpentLetJobsTakeTurns) {
   for (const size_t count : turns) EXPECT_EQ(count, 3u);
 }
 
+// The job that has its turn traces for a part of the budget, on all threads.
+TEST(FrameBudgets, ThatAreSpentLeaveATurnSomeTime) {
+  FrameBudget budget;
+  budget.begin(0, 16.0);
+  const FrameBudget::Time over = FrameBudget::Clock::now() - std::chrono::milliseconds(1);
+  const FrameBudget::Turn first = budget.start(0, 0, {false, true}, over), second = budget.start(0, 1, {}, over);
+  EXPECT_TRUE(first.traces);
+  EXPECT_EQ(first.work().least, std::chrono::milliseconds(2));
+  EXPECT_FALSE(second.traces);
+  EXPECT_TRUE(rt::is_over(second.work()));
+}
+
 TEST(FrameBudgets, ThatAreSpentSaySo) {
   FrameBudget budget;
   const FrameBudget::Time now = FrameBudget::Clock::now();
