@@ -302,3 +302,16 @@ def test_haze_is_two_strips_seen_in_perspective(share):
     assert np.allclose(drawn[beyond, 2, 1], 0) and np.allclose(drawn[beyond, 2, 2], 1 - expected[beyond], atol=2e-3)
     assert np.allclose(drawn[~beyond, 2, 1], 1 - expected[~beyond], atol=2e-3)
     assert np.allclose(drawn[:, 0, 0], expected, atol=2e-3)
+
+
+def test_times_are_there_without_repeats(renderer):
+    times = renderer.render(sideray.load("panes"), (32, 18)).times
+    assert times["trace"][1] > 0 and times["total_frame"][1] >= times["trace"][1]
+
+
+def test_first_surfaces_do_not_depend_on_the_number_of_samples(renderer):
+    """They are those at the pixels' centres, though a picture of several samples is drawn from places beside them."""
+    scene = sideray.load("solids")
+    one, four = (renderer.render(scene, (32, 18), samples=samples, aov="first") for samples in (1, 4))
+    assert np.array_equal(one["first"]["Z"], four["first"]["Z"])
+    assert np.array_equal(one["first"]["surface"], four["first"]["surface"])

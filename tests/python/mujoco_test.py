@@ -546,3 +546,25 @@ def test_haze_around_planes_without_an_end(has_own_renderer, share, glass):
     assert (apart[hazed][:, 0] <= 10).mean() > 0.9
     if not glass:
         assert (apart.max(-1) <= 10).mean() > 0.98
+
+
+def test_glass_throws_a_coloured_shadow():
+    """Under a red pane: glass lets nearly all of the light pass, more of its red; a blended pane a share of all colours."""
+    world = """<mujoco><visual><headlight ambient="0 0 0" diffuse="0 0 0" specular="0 0 0"/></visual>
+      <asset><material name="glass" rgba="1 .2 .2 .4" specular="0"/></asset>
+      <worldbody><light directional="true" dir="0 0 -1" diffuse=".8 .8 .8" specular="0 0 0" castshadow="true"/>
+        <geom type="plane" size="5 5 .1" rgba=".8 .8 .8 1"/>
+        <geom type="box" size=".8 .8 .02" pos="0 0 1.2" material="glass"/>
+        <camera name="below" pos="0 -3 .6" xyaxes="1 0 0 0 .2 1"/></worldbody></mujoco>"""
+    model = mujoco.MjModel.from_xml_string(world)
+    data = data_of(model)
+    for options in ({}, {"glass": ()}):
+        with sideray_mujoco.Renderer(model, 48, 64, **options) as renderer:
+            renderer.update_scene(data, "below")
+            picture = renderer.render().astype(float)
+        lit, shadowed = picture[40, 32], picture[26, 32]
+        if options:
+            assert np.abs(shadowed - 0.6 * 0.6 * lit).max() < 2
+        else:
+            red, green, blue = shadowed / lit
+            assert 0.85 < green < red - 0.015 and red < 0.96 and green == blue
