@@ -83,7 +83,9 @@ TEST_P(LateSequence, AMovedViewIsNearerToTheTruthThanRaster) {
   const std::vector<float> truth = draw(ample, false, moved);
   EXPECT_GT(matched, stats.layers_matched * 4 / 5);
   const std::vector<float> raster = draw(none, false, moved);
-  EXPECT_LT(apart(late, truth), 0.6 * apart(raster, truth));
+  // Bent light, which solids are full of, moves otherwise than the surfaces that show it.
+  const double part = std::string(GetParam()) == "solids" ? 0.6 : 0.4;
+  EXPECT_LT(apart(late, truth), part * apart(raster, truth));
 }
 
 // Flat glass, and glass that is curved and bends what is seen through it.
