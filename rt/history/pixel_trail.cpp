@@ -97,7 +97,9 @@ void PixelTrail::look_back(uint32_t x, uint32_t y, uint32_t count, glm::ivec2& l
   if (same_view_) {
     const float* then = &depth_before_[first];
     for (uint32_t i = 0; i < count; ++i)
-      from[i] = (std::abs(then[i] - depth[i]) <= same_depth * depth[i]) & (depth[i] > 0.0f) ? static_cast<uint32_t>(first) + i : nowhere;
+      from[i] = ((std::abs(then[i] - depth[i]) <= same_depth * depth[i]) & (depth[i] > 0.0f))
+                    ? static_cast<uint32_t>(first) + i
+                    : nowhere;
     least = glm::min(least, glm::ivec2(x, y)), most = glm::max(most, glm::ivec2(x + count - 1, y));
     return;
   }
