@@ -211,7 +211,9 @@ SIDERAY_VECTORS void take_neighbour(const uint8_t* tints, const uint8_t* same, N
   const uint8_t* const others = tints + neighbour.offset;
   const uint8_t bit = neighbour.bit;
   const size_t past = neighbour.past;
+#if !defined(__clang__)  // which does not know it
 #pragma GCC ivdep
+#endif
   for (size_t x = neighbour.first; x < past; ++x) {
     const uint8_t kept = (same[x] & bit) != 0 ? 255 : 0;
     const uint8_t up = others[x] | static_cast<uint8_t>(~kept), down = others[x] & kept;
