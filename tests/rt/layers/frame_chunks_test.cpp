@@ -12,11 +12,12 @@ namespace {
 
 using namespace test;
 
-// A frame without time for more traces the chunk that waited longest, in parts that several threads take.
+// A frame without time for more traces the chunk that waited longest, in parts that several threads take, and no other
+// chunk, even if its turn has some time.
 TEST(FrameChunks, WithoutTimeTraceTheFirstInParts) {
   Executor executor(4);
   TestFrame frame(perspective({0, 0, 5}, {0, 0, 0}, 0.7, 1.0), 64, 64, 2);
-  frame.get().work = {.deadline = Deadline::clock::now(), .least_pieces = 1, .ends_in_time = true};
+  frame.get().work = {.deadline = Deadline::clock::now(), .least = std::chrono::seconds(1), .least_pieces = 1, .ends_in_time = true};
   const CacheRequest& request = frame.get();
   FrameChunks chunks;
   chunks.gather(request, selection_of(request), executor);
