@@ -8,7 +8,7 @@
 namespace sideray::bridge {
 namespace {
 
-// With this bound, no measured scene is farther from the reference by more than 0.0007 FLIP (docs/translucency.md).
+// The default bound of `ray_reuse`. It adds at most 0.0007 FLIP in all measured scenes (docs/translucency.md).
 constexpr float auto_reuse = 0x1p-6f;
 
 // Converts a bound on the displayed picture to radiance.

@@ -54,7 +54,7 @@ void draw_positions(PictureJob& job, FrameTimer& timer, Picture& picture) {
   std::vector<glm::vec3> half_difference;
   FrameCounters counters;
   double total_ms = 0;
-  // Where frames are drawn again for their times, those count.
+  // Fragments are counted in the frames that are drawn again for their times, if there are any.
   const bool counts = job.plan.checks && job.options.picture.repeats == 0;
   for (uint32_t sample = 0; sample < job.plan.samples; ++sample) {
     const FramePosition position = position_of(job, sample);

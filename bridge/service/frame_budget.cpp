@@ -78,7 +78,7 @@ FrameBudget::Turn FrameBudget::start(uint32_t view_id, size_t job, const std::ar
   const Time now = Clock::now();
   const double left = ms_between(now, end) - others - last_upload;
   const double share = std::max(own.rays / (own.rays + rays), job_least_share);
-  // Of frames that end together at least one job traces something.
+  // At least one job traces rays among the frames that end together.
   const bool traces = left > 0.0 || (waited_longest && last_turn_ != end);
   if (traces) own.waited = 0, last_turn_ = end;
   const bool starved = left <= 0.0;

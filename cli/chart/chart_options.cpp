@@ -180,7 +180,7 @@ RenderOptions resolve_row(const ChartOptions& options, const lab::Configuration&
   const Options named = named_options(given, name);
   for (const char* option : {"light-samples", "bounces", "caustics", "check"})
     if (!named.reads(option) && !configuration.contains(option)) given.erase(option);
-  // With the reference's random numbers, an exact row would have its noise too, and an error of 0.
+  // An exact row needs random numbers of its own: with the reference's it would have the same noise, and no error.
   const bool is_exact = named["translucency"] == "reference";
   if (is_exact && !configuration.contains("seed")) given["seed"] = seed_beside(named["seed"]);
   try {
@@ -196,7 +196,7 @@ RenderOptions resolve_reference(const ChartOptions& options, const std::string& 
            option == "light-samples" || option == "seed";
   });
   given["reference"] = "true";
-  // As many positions as temporal anti-aliasing goes through.
+  // The reference averages as many positions as temporal anti-aliasing cycles through.
   if (options.frames) given.emplace("samples", std::to_string(lab::SettleMeter::period));
   return resolved(options, std::move(given), image);
 }
