@@ -18,39 +18,7 @@ constexpr float least_transmittance = 1e-4f, least_exact_transmittance = 1e-6f;
 // Separates the random numbers of scattering from others of the same key.
 constexpr uint32_t scatter_purpose = 0x5ca77e2u, dispersion_purpose = 0xd15be25eu;
 
-bool leaves(const model::Instance& instance, const Hit& hit) {
-  return !instance.solid || !hit.front;
-}
-
 }  // namespace
-
-MediumStack media_at(const RefractionScene& scene, const Intersector& intersector, glm::vec3 point) {
-  const Ray up{point, 0.0f, {0, 1, 0}, farthest};
-  Hit hits[most_layers_in_round];
-  uint32_t count = 0;
-  intersector.nearest_layers(LayerSet::all_translucent, {&up, 1}, most_layers_in_round, false, hits, &count, {}, false);
-  MediumStack entered;
-  std::vector<uint32_t> around;  // the innermost first
-  for (uint32_t i = 0; i < count; ++i) {
-    const uint32_t instance = hits[i].instance;
-    if (!scene.medium(instance).volume || !scene.surfaces.snapshot->instances[instance].solid) continue;
-    if (hits[i].front)
-      entered.push(instance);
-    else if (entered.contains(instance))
-      entered.remove(instance);
-    else
-      around.push_back(instance);
-  }
-  MediumStack media;
-  for (size_t i = around.size(); i-- > 0;) media.push(around[i]);
-  return media;
-}
-
-RefractionContext refraction_context(const FrameContext& frame, const RefractionScene& scene, bool exact) {
-  RefractionContext context{&frame, &scene, {}, exact};
-  if (frame.view->perspective()) context.at_eye = media_at(scene, *frame.intersector, glm::vec3(frame.view->eye()));
-  return context;
-}
 
 TraceEnd RefractionTracer::trace(const RefractionContext& context, std::span<const PixelRequest> pixels,
                                  PointShader& shader, std::vector<RefractedPixel>& result, Counters& counters) {
@@ -63,7 +31,7 @@ TraceEnd RefractionTracer::trace(const RefractionContext& context, std::span<con
     counters.traversals_wasted += paths_[i].met == 0;
     counters.layers_requested += pixels[i].layers == unlimited_layers ? paths_[i].met : pixels[i].layers;
   }
-  for (const Path& path : paths_) counters.layers_found += path.met;
+  for (const RefractedPath& path : paths_) counters.layers_found += path.met;
   counters.pixels_masked += pixels.size();
   add_work(shader, before, counters);
   return TraceEnd::complete;
@@ -85,7 +53,7 @@ void RefractionTracer::find_ends(const RefractionContext& context, std::span<con
   context_ = &context, shader_ = nullptr, counters_ = &counters, result_ = nullptr, path_ends_ = &ends;
   path_surfaces_ = surfaces;
   if (surfaces) surfaces->clear();
-  kernels_ = &shade_kernels(context.frame->intersector->isa().c_str());
+  next_surfaces_.begin(context, NextSurfaces::Purpose::ends, counters);
   ends.assign(pixels.size(), PathEnd{});
   start(pixels);
   while (!active_.empty()) advance_all();
@@ -95,6 +63,7 @@ void RefractionTracer::begin(const RefractionContext& context, PointShader& shad
                              std::vector<RefractedPixel>& result, Counters& counters) {
   context_ = &context, shader_ = &shader, counters_ = &counters, result_ = &result, path_ends_ = nullptr;
   path_surfaces_ = nullptr;
+  next_surfaces_.begin(context, NextSurfaces::Purpose::light, counters);
   kernels_ = &shade_kernels(context.frame->intersector->isa().c_str());
   reuse_.begin(0.0f);
   // A cancelled trace may have left entries.
@@ -116,15 +85,15 @@ TraceEnd RefractionTracer::run() {
 
 // Advances every active path by one surface.
 void RefractionTracer::advance_all() {
-  find_next();
+  next_surfaces_.find(paths_, active_);
   next_active_.clear();
   for (const uint32_t path : active_) advance(path);
   std::swap(active_, next_active_);
 }
 
 // Resets a path to its primary ray.
-RefractionTracer::Path& RefractionTracer::path_from_eye(uint32_t i, uint32_t key, const Ray& ray, Cone cone) {
-  Path& path = paths_[i];
+RefractedPath& RefractionTracer::path_from_eye(uint32_t i, uint32_t key, const Ray& ray, Cone cone) {
+  RefractedPath& path = paths_[i];
   path = {};
   path.pixel = i;
   path.key = key;
@@ -146,21 +115,20 @@ void RefractionTracer::start(std::span<const FirstBend> bends) {
   places_.clear();
   for (uint32_t i = 0; i < bends.size(); ++i) {
     const FirstBend& bend = bends[i];
-    Path& path = path_from_eye(i, bend.key, bend.ray, bend.cone);
+    RefractedPath& path = path_from_eye(i, bend.key, bend.ray, bend.cone);
     path.met = bend.before;
     path.wanted = bend.before + most_events_behind;
     places_.push_back({&bend.hit, &bend.ray, bend.cone});
   }
-  make_surfaces(0);
+  SurfacePoint* surfaces = next_surfaces_.make(places_);
   active_.clear();
   next_active_.clear();
   const auto is_donor = [&](uint32_t path) { return bends[paths_[path].pixel].pixel.is_donor(); };
-  std::vector<uint32_t>& order = group_;  // donors come first, and so do their points
-  order.resize(bends.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::stable_partition(order.begin(), order.end(), is_donor);
-  for (const uint32_t i : order)
-    if (meets(i, bends[i].hit, &made_[i], bends[i].is_lit) && !finished(paths_[i])) active_.push_back(i);
+  order_.resize(bends.size());  // donors come first, and so do their points
+  std::iota(order_.begin(), order_.end(), 0u);
+  std::stable_partition(order_.begin(), order_.end(), is_donor);
+  for (const uint32_t i : order_)
+    if (meets(i, bends[i].hit, &surfaces[i], bends[i].is_lit) && !finished(paths_[i])) active_.push_back(i);
   active_.insert(active_.end(), next_active_.begin(), next_active_.end());
   std::stable_partition(active_.begin(), active_.end(), is_donor);
 }
@@ -173,7 +141,7 @@ void RefractionTracer::start(std::span<const PixelRequest> pixels) {
   for (size_t i = 0; i < pixels.size(); ++i) {
     const PixelRequest& p = pixels[i];
     const auto index = active_[i] = static_cast<uint32_t>(i);
-    Path& path = path_from_eye(index, pixel_key(request.seed, frame.position, p.x, p.y), frame.view->ray(p.x, p.y),
+    RefractedPath& path = path_from_eye(index, pixel_key(request.seed, frame.position, p.x, p.y), frame.view->ray(p.x, p.y),
                                frame.view->cone(p.x, p.y));
     path.wanted = std::min(p.layers, most_events);
     if (frame.ends)
@@ -184,234 +152,15 @@ void RefractionTracer::start(std::span<const PixelRequest> pixels) {
   }
 }
 
-// Finds for every active path the next surface that counts, or the path's end. This takes a different number of
-// traversals for each, but all paths cross their surface in the same round, so that they can share rays.
-void RefractionTracer::find_next() {
-  made_count_ = 0;
-  pending_ = active_;
-  for (const uint32_t i : pending_) {
-    Path& path = paths_[i];
-    path.next.instance = no_instance;
-    path.surface = none;
-    path.way_out = infinity;
-    path.search = next_search(path);
-  }
-  while (!pending_.empty()) {
-    find_places();
-    find_opaque();
-    find_layers();
-    make_next_surfaces();
-    std::erase_if(pending_, [&](uint32_t i) { return settle(paths_[i]); });
-  }
-}
-
-RefractionTracer::Search RefractionTracer::next_search(const Path& path) const {
-  if (path.met >= path.wanted) return absorbs(path) && !path.ahead.complete() ? Search::rest : Search::opaque;
-  if (path.ahead.count > 0 || path.ahead.complete()) return Search::nothing;
-  return path.refracted && path.ahead.last.instance == no_instance && !path.ahead.deep ? Search::place : Search::rest;
-}
-
-// Returns whether the ray's end is needed before its next surface is made, because sprites fade in front of opaque
-// surfaces.
-bool RefractionTracer::wants_end(const Path& path) const {
-  const std::vector<model::Instance>& instances = context_->scene->surfaces.snapshot->instances;
-  const Hit* hits = path.ahead.hits;
-  return path.clear != farthest &&
-         std::any_of(hits, hits + path.ahead.count, [&](const Hit& h) { return instances[h.instance].sprites != 0; });
-}
-
-// Returns whether the end of the path's medium is needed.
-bool RefractionTracer::absorbs(const Path& path) const {
-  return !path_ends_ && !path.media.empty() &&
-         context_->scene->medium(path.media.top()).absorption != glm::vec3(0.0f);
-}
-
-// Returns the cone for the alpha of all paths.
-Cone RefractionTracer::common_cone() const {
-  const FrameContext& frame = *context_->frame;
-  return frame.view->cone(frame.request->width / 2, frame.request->height / 2);
-}
-
-void RefractionTracer::find_places() {
-  constexpr uint32_t most = Intersector::most_at_place;
-  static_assert(most <= SurfacesAhead::most);
-  group_.clear();
-  rays_.clear();
-  for (const uint32_t i : pending_) {
-    if (paths_[i].search != Search::place) continue;
-    group_.push_back(i);
-    rays_.push_back(paths_[i].ray);
-  }
-  if (rays_.empty()) return;
-  hits_.resize(rays_.size() * most);
-  hit_counts_.resize(rays_.size());
-  known_.resize(rays_.size());
-  const FrameContext& frame = *context_->frame;
-  frame.intersector->nearest_places(frame.set, rays_, directions_agree(rays_), hits_.data(), hit_counts_.data(),
-                                    known_.data(), common_cone(), false);
-  counters_->rays_primary += rays_.size();
-  for (size_t k = 0; k < group_.size(); ++k) {
-    Path& path = paths_[group_[k]];
-    path.ahead.take_place({&hits_[k * most], hit_counts_[k]}, known_[k], path.ray);
-  }
-}
-
-// Finds the opaque ends of refracted rays, up to the translucent surfaces found before. Refracted or not, they are
-// primary rays and pass backs of materials that are not double sided.
-void RefractionTracer::find_opaque() {
-  rays_.clear();
-  group_.clear();
-  for (const uint32_t i : pending_) {
-    Path& path = paths_[i];
-    if (path.search == Search::nothing || path.clear == farthest) continue;
-    Ray ray = path.ray;
-    ray.t_near = path.clear;  // initially 0, in front of the surface, because another may lie on it
-    if (path.search == Search::place && !path.ahead.complete())
-      ray.t_far = static_cast<float>(path.ahead.known) * (1.0f + 2.0f * on_opaque_surface);
-    path.clear = ray.t_far;
-    rays_.push_back(ray);
-    group_.push_back(i);
-  }
-  if (rays_.empty()) return;
-  hits_.resize(rays_.size());
-  context_->frame->intersector->nearest_opaque(rays_, directions_agree(rays_), hits_.data(), OpaqueSet::all,
-                                               common_cone(), true);
-  counters_->rays_primary += rays_.size();
-  for (size_t k = 0; k < group_.size(); ++k) {
-    if (hits_[k].instance == no_instance) continue;
-    Path& path = paths_[group_[k]];
-    path.opaque = hits_[k];
-    path.clear = farthest;
-    path.ray.t_far = static_cast<float>(path.opaque.distance) * (1.0f - on_opaque_surface);
-    path.ahead.end_at(path.ray.t_far);
-  }
-}
-
-void RefractionTracer::find_layers() {
-  for (const uint32_t layers : {SurfacesAhead::most, most_layers_in_round})
-    for (const bool cull : {true, false}) {
-      group_.clear();
-      for (const uint32_t i : pending_) {
-        const Path& path = paths_[i];
-        if (path.search == Search::rest && path.ahead.deep == (layers != SurfacesAhead::most) &&
-            sees_culled(path) != cull)
-          group_.push_back(i);
-      }
-      if (!group_.empty()) traverse_group(layers, cull);
-    }
-}
-
-void RefractionTracer::traverse_group(uint32_t layers, bool cull) {
-  rays_.clear();
-  for (const uint32_t i : group_) {
-    rays_.push_back(paths_[i].ray);
-    paths_[i].search = Search::nothing;
-  }
-  hits_.resize(rays_.size() * layers);
-  hit_counts_.resize(rays_.size());
-  const FrameContext& frame = *context_->frame;
-  frame.intersector->nearest_layers(frame.set, rays_, layers, directions_agree(rays_), hits_.data(), hit_counts_.data(),
-                                    common_cone(), cull);
-  counters_->rays_primary += rays_.size();
-  const std::vector<model::Instance>& instances = context_->scene->surfaces.snapshot->instances;
-  for (size_t i = 0; i < group_.size(); ++i) {
-    Path& path = paths_[group_[i]];
-    path.ahead.take(instances, {&hits_[i * layers], hit_counts_[i]}, layers, path.ray);
-  }
-}
-
-// Makes the surfaces of places_ in made_, from index `first` on.
-void RefractionTracer::make_surfaces(size_t first) {
-  if (made_.size() < first + places_.size()) made_.resize(first + places_.size());
-  rt::make_surfaces(context_->scene->surfaces, *kernels_, places_, made_.data() + first);
-}
-
-// Makes all surfaces that paths hit next at once, because most of them are crossed.
-void RefractionTracer::make_next_surfaces() {
-  places_.clear();
-  const size_t first = made_count_;
-  for (const uint32_t i : pending_) {
-    Path& path = paths_[i];
-    if (path.ahead.count == 0 || path.met >= path.wanted || path.surface != none || wants_end(path)) continue;
-    path.surface = static_cast<uint32_t>(made_count_++);
-    places_.push_back({&path.ahead.hits[0], &path.ray, path.cone});
-  }
-  make_surfaces(first);
-}
-
-// Sets the next surface ahead that counts. Returns false if it is not known yet, and sets what must be searched.
-bool RefractionTracer::settle(Path& path) const {
-  if (path.met >= path.wanted) return find_way_out(path);
-  path.search = Search::nothing;
-  while (path.ahead.count > 0) {
-    if (path.surface == none) {  // it must be made
-      if (wants_end(path)) path.search = Search::opaque;
-      return false;
-    }
-    if (!path.ahead.knows_place(made_[path.surface])) {
-      path.search = Search::rest;
-      return false;
-    }
-    take_next(path);
-    if (counts(path, path.next)) return true;
-    path.next.instance = no_instance;
-    path.surface = none;
-  }
-  path.search = next_search(path);
-  return path.search == Search::nothing;
-}
-
-// Finds the end of the path's medium behind the last surface that counts.
-bool RefractionTracer::find_way_out(Path& path) const {
-  if (!absorbs(path)) return true;
-  while (path.ahead.count > 0) {
-    const Hit hit = path.ahead.remove(0);
-    if (hit.instance != path.media.top() || !leaves(context_->scene->surfaces.snapshot->instances[hit.instance], hit))
-      continue;
-    path.way_out = static_cast<float>(hit.distance);
-    return true;
-  }
-  path.search = Search::rest;
-  return path.ahead.complete();
-}
-
-// Removes the next hit from those ahead.
-void RefractionTracer::take_next(Path& path) const {
-  const RefractionScene& scene = *context_->scene;
-  const auto exits = [&](const Hit& h) {
-    return scene.medium(h.instance).volume && leaves(scene.surfaces.snapshot->instances[h.instance], h);
-  };
-  uint32_t chosen = 0;
-  if (path.ahead.count > 1 && exits(path.ahead.hits[0]))
-    chosen = first_entered(path.ahead, made_[path.surface], exits);
-  path.next = path.ahead.remove(chosen);
-  if (chosen != 0) path.surface = none;
-}
-
-// Returns whether the hit counts for the path; if it does not, updates the path's media.
-bool RefractionTracer::counts(Path& path, const Hit& hit) const {
-  const RefractionScene& scene = *context_->scene;
-  const model::Snapshot& snapshot = *scene.surfaces.snapshot;
-  const bool volume = scene.medium(hit.instance).volume;
-  const bool culled = snapshot.materials[snapshot.instances[hit.instance].material].cull_back && !hit.front;
-  if (culled && !(sees_culled(path) && volume)) return false;
-  if (!volume) return true;
-  MediumStack behind = path.media;
-  if (cross(scene, hit, path.met == 0 && !path.refracted, behind, path.light).interface) return true;
-  path.media = behind;
-  return false;
-}
-
 // Takes the path across its next surface, or ends it.
 void RefractionTracer::advance(uint32_t i) {
   const Hit hit = paths_[i].next;
   if (hit.instance == no_instance) return end(i);
-  const bool saw_culled = sees_culled(paths_[i]);
-  const uint32_t surface = paths_[i].surface;
-  meets(i, hit, surface == none ? nullptr : &made_[surface]);
-  Path& path = paths_[i];
+  const bool hit_culled = paths_[i].hits_culled();
+  meets(i, hit, next_surfaces_.surface_of(paths_[i]));
+  RefractedPath& path = paths_[i];
   // From here on back faces count too.
-  if (!path.refracted && !saw_culled && sees_culled(path)) path.ahead.forget_behind(hit, path.ray);
+  if (!path.refracted && !hit_culled && path.hits_culled()) path.ahead.forget_behind(hit, path.ray);
   if (!finished(path))
     next_active_.push_back(i);
   else if (!path.refracted)
@@ -423,7 +172,7 @@ void RefractionTracer::advance(uint32_t i) {
 bool RefractionTracer::meets(uint32_t i, const Hit& hit, SurfacePoint* surface, bool is_lit) {
   const RefractionScene& scene = *context_->scene;
   const bool volume = scene.medium(hit.instance).volume;
-  Path& path = paths_[i];
+  RefractedPath& path = paths_[i];
   MediumStack before = path.media, behind = path.media;
   Crossing crossing{true, 1.0f, 1.0f, no_instance, false};
   if (volume) crossing = cross(scene, hit, path.met == 0 && !path.refracted, behind, path.light);
@@ -453,7 +202,7 @@ bool RefractionTracer::meets(uint32_t i, const Hit& hit, SurfacePoint* surface, 
 // Takes the path into a volume or out of it, unless the surface reflects totally.
 void RefractionTracer::pass(uint32_t i, const Hit& hit, SurfacePoint& point, const Crossing& crossing,
                             const MediumStack& behind, bool is_lit) {
-  Path& path = paths_[i];
+  RefractedPath& path = paths_[i];
   const Bend b = bend(point.to_eye, facing_normal(point), crossing.ior_from, crossing.ior_to);
   if (b.total && !crossing.disperses) return redirect(path, point, b.direction, false);
   set_reflectance(crossing, b.cosine, point.surface);
@@ -473,7 +222,7 @@ void RefractionTracer::pass(uint32_t i, const Hit& hit, SurfacePoint& point, con
 // Splits the path into three, one a channel. KHR_materials_dispersion gives the indices of these three, so wavelengths
 // need not be sampled, and a frame has no noise from them. From here on each path is followed separately.
 void RefractionTracer::disperse(uint32_t i, const SurfacePoint& point, const Hit& hit, const MediumStack& before) {
-  const Path whole = paths_[i];
+  const RefractedPath whole = paths_[i];
   for (const Light light : {Light::red, Light::green, Light::blue}) {
     if (light != Light::red) {
       paths_.push_back(whole);
@@ -481,7 +230,7 @@ void RefractionTracer::disperse(uint32_t i, const SurfacePoint& point, const Hit
       paths_.back().wanted = whole.wanted - whole.met;
       next_active_.push_back(static_cast<uint32_t>(paths_.size() - 1));
     }
-    Path& path = light == Light::red ? paths_[i] : paths_.back();
+    RefractedPath& path = light == Light::red ? paths_[i] : paths_.back();
     path.light = light;
     path.through *= channels_of(light);
     path.key = random_key({whole.key, dispersion_purpose, static_cast<uint32_t>(light)});
@@ -496,7 +245,7 @@ void RefractionTracer::disperse(uint32_t i, const SurfacePoint& point, const Hit
 // Stores how widely the first rough surface on a path scatters. A facet tilted by an angle turns a mirrored ray by
 // twice that angle; a ray refracted into a body and out of it turns by n - 1 times the angle at each of the two
 // surfaces.
-void RefractionTracer::widen(const Path& path, const SurfacePoint& point, const Crossing& crossing) {
+void RefractionTracer::widen(const RefractedPath& path, const SurfacePoint& point, const Crossing& crossing) {
   RefractedPixel& pixel = (*result_)[path.pixel];
   if (pixel.roughness > 0.0f) return;
   const float ratio = crossing.ior_to / crossing.ior_from;
@@ -508,7 +257,7 @@ void RefractionTracer::widen(const Path& path, const SurfacePoint& point, const 
 // is split into several.
 void RefractionTracer::scatter(uint32_t i, const SurfacePoint& point, const Crossing& crossing) {
   const bool splits = context_->exact && paths_[i].estimate == both_estimates;
-  const Path whole = paths_[i];
+  const RefractedPath whole = paths_[i];
   widen(whole, point, crossing);
   for (uint32_t copy = 0; copy < (splits ? scattered_paths : 1); ++copy) {
     const glm::vec3 direction = scattered_direction(point, crossing, random_key({point.key, scatter_purpose, copy}));
@@ -517,7 +266,7 @@ void RefractionTracer::scatter(uint32_t i, const SurfacePoint& point, const Cros
       paths_.back().met = 0;  // the new path counts its own hits
       next_active_.push_back(static_cast<uint32_t>(paths_.size() - 1));
     }
-    Path& path = copy == 0 ? paths_[i] : paths_.back();
+    RefractedPath& path = copy == 0 ? paths_[i] : paths_.back();
     if (splits) {
       path.estimate = static_cast<int>(copy % 2);
       path.through *= 2.0f / static_cast<float>(scattered_paths);
@@ -528,7 +277,7 @@ void RefractionTracer::scatter(uint32_t i, const SurfacePoint& point, const Cros
   }
 }
 
-void RefractionTracer::redirect(Path& path, const SurfacePoint& point, glm::vec3 direction, bool transmitted) const {
+void RefractionTracer::redirect(RefractedPath& path, const SurfacePoint& point, glm::vec3 direction, bool transmitted) const {
   const OnwardRay onward = onward_ray(point, path.start, direction, transmitted);
   if (path.refracted) path.way += path.start;
   path.length += static_cast<double>(path.start);
@@ -543,7 +292,7 @@ void RefractionTracer::redirect(Path& path, const SurfacePoint& point, glm::vec3
   path.start = 0.0f;
 }
 
-void RefractionTracer::blend(Path& path, const SurfacePoint& point, bool is_lit) {
+void RefractionTracer::blend(RefractedPath& path, const SurfacePoint& point, bool is_lit) {
   if (path_ends_) return;
   const shading::SrBlend b = blend_of(point);
   if (b.cover > 0.0f && !is_lit) {
@@ -556,14 +305,14 @@ void RefractionTracer::blend(Path& path, const SurfacePoint& point, bool is_lit)
   path.through *= b.through;
 }
 
-bool RefractionTracer::finished(const Path& path) const {
+bool RefractionTracer::finished(const RefractedPath& path) const {
   if (path_ends_) return false;
   const float most = std::max({path.through.x, path.through.y, path.through.z});
   return most < (context_->exact ? least_exact_transmittance : least_transmittance);
 }
 
 void RefractionTracer::end(uint32_t i) {
-  Path& path = paths_[i];
+  RefractedPath& path = paths_[i];
   if (path_ends_) {
     (*path_ends_)[i] = {path.ray, path.opaque, path.length, path.turns,
                          path.met < path.wanted};
@@ -610,14 +359,14 @@ void RefractionTracer::shade_events() {
 void RefractionTracer::shade_ends() {
   places_.clear();
   for (const uint32_t i : ends_) {
-    const Path& path = paths_[i];
+    const RefractedPath& path = paths_[i];
     places_.push_back({&path.opaque, &path.ray, path.cone});
     media_.push_back(path.media);
     shares_.push_back({path.pixel, path.estimate, path.through});
   }
   append_surfaces(context_->scene->surfaces, *kernels_, places_, points_);
   for (size_t k = 0; k < ends_.size(); ++k) {
-    const Path& path = paths_[ends_[k]];
+    const RefractedPath& path = paths_[ends_[k]];
     points_[k].key = random_key({path.key, path.met});
     points_[k].weight = largest(path.through);
   }

@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "rt/layers/layer_tracer.h"
+#include "rt/refraction/next_surfaces.h"
+#include "rt/refraction/refracted_path.h"
 #include "rt/refraction/refraction.h"
-#include "rt/refraction/surfaces_ahead.h"
+#include "rt/refraction/refraction_context.h"
 #include "rt/shading/ray_reuse.h"
 #include "rt/surfaces/surface_batch.h"
 
@@ -24,19 +26,6 @@ struct RefractedPixel {
   // path to the visible surface (0: the environment).
   float roughness, spread, nearness;
 };
-
-// Holds what all chunks of a frame share.
-struct RefractionContext {
-  const FrameContext* frame;
-  const RefractionScene* scene;
-  MediumStack at_eye;  // media at the eye of a perspective view
-  bool exact;  // rough surfaces split rays into many directions, and rays continue to the last visible surface
-};
-
-RefractionContext refraction_context(const FrameContext& frame, const RefractionScene& scene, bool exact);
-
-// Returns the solids around a point, the innermost on top.
-MediumStack media_at(const RefractionScene& scene, const Intersector& intersector, glm::vec3 point);
 
 // Holds the first surface on a straight primary ray that bends light.
 struct FirstBend {
@@ -95,73 +84,30 @@ class RefractionTracer {
                  Counters& counters, std::vector<PathSurface>* surfaces = nullptr);
 
  private:
-  // Says what must be searched before a path can continue. Most refracted rays turn at their first surface, so only the
-  // surfaces at that place are searched, and opaque ones up to there. For an unrefracted ray, the opaque surface is
-  // searched first, then several translucent ones at once: the rest.
-  enum class Search : uint8_t { nothing, place, opaque, rest };
-  struct Path {
-    uint32_t pixel, key;
-    uint32_t met, wanted;
-    int estimate;  // the estimate that it adds to, or both_estimates
-    Light light;   // the channels that it carries
-    Ray ray;
-    Cone cone;
-    glm::vec3 through;
-    float start;  // distance along the ray up to which its medium has absorbed
-    float way;    // length of the refracted rays before this one
-    double length;   // of all rays before this one
-    uint32_t turns;  // rays before this one
-    MediumStack media;
-    bool refracted;
-    float clear;    // for a refracted ray: no opaque surface is nearer; `farthest`: its end has been found
-    Hit opaque;     // where a refracted ray ends
-    SurfacesAhead ahead;
-    Search search;
-    uint32_t surface;  // index in made_ of the surface of ahead.hits[0], then of `next`; or none
-    Hit next;          // the surface to cross next; no_instance: the path ends
-    float way_out;     // where its medium ends behind the last surface that counts; or infinite
-  };
   struct Share {
     uint32_t pixel;
     int estimate;
     glm::vec3 weight;
   };
-  static constexpr int both_estimates = -1;
-  static constexpr uint32_t none = 0xffffffffu;
+  static constexpr int both_estimates = RefractedPath::both_estimates;
 
   void begin(const RefractionContext& context, PointShader& shader, std::vector<RefractedPixel>& result,
              Counters& counters);
-  Path& path_from_eye(uint32_t path, uint32_t key, const Ray& ray, Cone cone);
+  RefractedPath& path_from_eye(uint32_t path, uint32_t key, const Ray& ray, Cone cone);
   void start(std::span<const PixelRequest> pixels);
   void start(std::span<const FirstBend> bends);
   TraceEnd run();
   void advance_all();
-  void find_next();
-  void find_places();
-  void find_opaque();
-  void find_layers();
-  void traverse_group(uint32_t layers, bool cull);
-  Cone common_cone() const;
-  bool sees_culled(const Path& path) const { return path.refracted || !path.media.empty(); }
-  Search next_search(const Path& path) const;
-  bool wants_end(const Path& path) const;
-  bool absorbs(const Path& path) const;
-  void make_surfaces(size_t first);
-  void make_next_surfaces();
-  bool settle(Path& path) const;
-  bool find_way_out(Path& path) const;
-  bool counts(Path& path, const Hit& hit) const;
-  void take_next(Path& path) const;
   void advance(uint32_t path);
   bool meets(uint32_t path, const Hit& hit, SurfacePoint* surface, bool is_lit = false);
   void pass(uint32_t path, const Hit& hit, SurfacePoint& point, const Crossing& crossing, const MediumStack& behind,
             bool is_lit);
   void disperse(uint32_t path, const SurfacePoint& point, const Hit& hit, const MediumStack& before);
   void scatter(uint32_t path, const SurfacePoint& point, const Crossing& crossing);
-  void widen(const Path& path, const SurfacePoint& point, const Crossing& crossing);
-  void redirect(Path& path, const SurfacePoint& point, glm::vec3 direction, bool transmitted) const;
-  void blend(Path& path, const SurfacePoint& point, bool is_lit);
-  bool finished(const Path& path) const;
+  void widen(const RefractedPath& path, const SurfacePoint& point, const Crossing& crossing);
+  void redirect(RefractedPath& path, const SurfacePoint& point, glm::vec3 direction, bool transmitted) const;
+  void blend(RefractedPath& path, const SurfacePoint& point, bool is_lit);
+  bool finished(const RefractedPath& path) const;
   void end(uint32_t path);
   void add(const Share& share, const glm::vec3* radiance);
   void shade_events();
@@ -174,21 +120,17 @@ class RefractionTracer {
   std::vector<RefractedPixel>* result_ = nullptr;
   std::vector<PathEnd>* path_ends_ = nullptr;  // output of paths without shading; otherwise null
   std::vector<PathSurface>* path_surfaces_ = nullptr;  // the same, if the surfaces are requested
-  std::vector<Path> paths_;
-  std::vector<uint32_t> active_, next_active_, pending_, group_, ends_;
-  std::vector<Ray> rays_;
-  std::vector<Hit> hits_;
-  std::vector<uint32_t> hit_counts_;
-  std::vector<double> known_;
+  std::vector<RefractedPath> paths_;
+  std::vector<uint32_t> active_, next_active_, ends_;
+  NextSurfaces next_surfaces_;
   const ShadeKernels* kernels_ = nullptr;
   std::vector<HitPlace> places_;
-  std::vector<SurfacePoint> made_;  // surfaces of the paths' next hits; never shrinks
-  size_t made_count_ = 0;
   std::vector<SurfacePoint> points_;
   std::vector<MediumStack> media_;  // one for each of points_, like the next
   std::vector<Share> shares_;
   RayReuse reuse_;
   std::span<const FirstBend> bends_;           // of paths that reuse rays; donors come first in active_
+  std::vector<uint32_t> order_;                // of bends_
   std::vector<RayReuse::Pixel> point_pixels_;  // pixels of points_, for reuse_
   std::vector<glm::vec3> radiance_;
 };
