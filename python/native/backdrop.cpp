@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include "python/native/native.h"
@@ -131,57 +132,88 @@ void by_rows(py::ssize_t height, py::ssize_t width, py::ssize_t threads, const W
 // Quantizes a number from 0 to 1 linearly, in 256 steps.
 uint8_t byte_of(float value) { return static_cast<uint8_t>(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f); }
 
-// Adds `added`, and the sky times `sky_share`, where nothing hides them. planes: R, G, B, A. A pixel's direction is
-// corner + column * across + row * down. haze: the fields of Haze. Returns (height, width, 3), float32, or uint8 with
-// as_bytes.
-py::array with_backdrop(const std::vector<Array<float>>& planes, const Array<double>& added,
-                        const std::optional<Array<uint8_t>>& faces, double sky_share, bool srgb, const Array<double>& corner,
-                        const Array<double>& across, const Array<double>& down, py::ssize_t threads,
-                        const std::optional<py::dict>& haze_fields, bool as_bytes) {
-  const Vec3 constant = vector_of(added, "added"), from = vector_of(corner, "corner"), right = vector_of(across, "across"),
-             below = vector_of(down, "down");
-  if (planes.size() != 4) throw Error(SIDERAY_INVALID_ARGUMENT, "planes: give R, G, B and A");
-  const py::ssize_t height = planes[0].shape(0), width = planes[0].shape(1);
-  for (const Array<float>& plane : planes) require_shape(plane, {height, width}, "planes");
-  std::optional<Sky> sky;
-  if (faces && (sky_share != 0.0 || haze_fields)) sky.emplace(*faces, srgb);
-  std::optional<Haze> haze;
-  if (haze_fields) haze = haze_of(*haze_fields, height * width);
+// What is seen where nothing hides it: a colour, the faces of a sky, how often the sky is added to the colour, and whether
+// its texels are sRGB.
+using Backdrop = std::tuple<Array<double>, std::optional<Array<uint8_t>>, double, bool>;
+// A pixel looks along corner + column * across + row * down.
+using Directions = std::tuple<Array<double>, Array<double>, Array<double>>;
+
+// Puts a backdrop behind a picture.
+class PictureOverBackdrop {
+ public:
+  // `planes`: R, G, B, A.
+  PictureOverBackdrop(const std::vector<Array<float>>& planes, const Backdrop& backdrop, const Directions& directions,
+                      const std::optional<py::dict>& haze_fields)
+      : planes_(planes),
+        corner_(vector_of(std::get<0>(directions), "corner")),
+        across_(vector_of(std::get<1>(directions), "across")),
+        down_(vector_of(std::get<2>(directions), "down")) {
+    const auto& [added, faces, sky_share, srgb] = backdrop;
+    added_ = vector_of(added, "added");
+    sky_share_ = static_cast<float>(sky_share);
+    if (planes.size() != 4) throw Error(SIDERAY_INVALID_ARGUMENT, "planes: give R, G, B and A");
+    for (const Array<float>& plane : planes) require_shape(plane, {height(), width()}, "planes");
+    if (faces && (sky_share != 0.0 || haze_fields)) sky_.emplace(*faces, srgb);
+    if (haze_fields) haze_ = haze_of(*haze_fields, height() * width());
+    for (size_t k = 0; k < 4; ++k) rgba_[k] = planes[k].data();
+  }
+  py::ssize_t height() const { return planes_[0].shape(0); }
+  py::ssize_t width() const { return planes_[0].shape(1); }
+
+  Vec3 color(py::ssize_t x, py::ssize_t y) const {
+    const py::ssize_t pixel = y * width() + x;
+    const float clear = 1.0f - rgba_[3][pixel];
+    Vec3 missing = added_;
+    if (clear > 0.0f && sky_ && sky_share_ != 0.0f) {
+      const Vec3 seen = sky_->look_up(direction(x, y));
+      for (size_t k = 0; k < 3; ++k) missing[k] += sky_share_ * seen[k];
+    }
+    Vec3 color;
+    for (size_t k = 0; k < 3; ++k) color[k] = rgba_[k][pixel] + (clear > 0.0f ? clear * missing[k] : 0.0f);
+    if (haze_ && haze_->is_at(pixel)) blur(direction(x, y), haze_->surfaces.data()[pixel] != 0, color);
+    return color;
+  }
+
+ private:
+  Vec3 direction(py::ssize_t x, py::ssize_t y) const {
+    Vec3 d;
+    for (size_t k = 0; k < 3; ++k)
+      d[k] = corner_[k] + static_cast<float>(x) * across_[k] + static_cast<float>(y) * down_[k];
+    return d;
+  }
+  void blur(const Vec3& d, bool is_surface, Vec3& color) const {
+    const float slope = haze_->slope(d), part = haze_->share_at(slope);
+    if (is_surface && slope < 1.0f && sky_) color = sky_->look_up(d);
+    for (size_t k = 0; k < 3; ++k) color[k] += part * (haze_->color[k] - color[k]);
+  }
+
+  const std::vector<Array<float>>& planes_;
+  std::array<const float*, 4> rgba_;
+  const Vec3 corner_, across_, down_;
+  Vec3 added_;
+  float sky_share_;
+  std::optional<Sky> sky_;
+  std::optional<Haze> haze_;
+};
+
+// Returns (height, width, 3), float32, or uint8 with as_bytes. haze: the fields of Haze.
+py::array with_backdrop(const std::vector<Array<float>>& planes, const Backdrop& backdrop, const Directions& directions,
+                        py::ssize_t threads, const std::optional<py::dict>& haze, bool as_bytes) {
+  const PictureOverBackdrop picture(planes, backdrop, directions, haze);
+  const py::ssize_t height = picture.height(), width = picture.width();
   const std::vector<py::ssize_t> shape{height, width, 3};
   py::array result = as_bytes ? py::array(py::array_t<uint8_t>(shape)) : py::array(py::array_t<float>(shape));
   void* const pixels = result.mutable_data();
-  const std::array<const float*, 4> rgba = {planes[0].data(), planes[1].data(), planes[2].data(), planes[3].data()};
   py::gil_scoped_release released;
-  const auto share = static_cast<float>(sky_share);
-  const auto direction = [&](py::ssize_t x, py::ssize_t y) {
-    Vec3 d;
-    for (size_t k = 0; k < 3; ++k) d[k] = from[k] + static_cast<float>(x) * right[k] + static_cast<float>(y) * below[k];
-    return d;
-  };
-  const auto blur = [&](const Vec3& d, Vec3& to, bool is_surface) {
-    const float slope = haze->slope(d), part = haze->share_at(slope);
-    if (is_surface && slope < 1.0f && sky) to = sky->look_up(d);
-    for (size_t k = 0; k < 3; ++k) to[k] += part * (haze->color[k] - to[k]);
-  };
-  const auto fill_row = [&](py::ssize_t y) {
-    for (py::ssize_t x = 0, i = y * width; x < width; ++x, ++i) {
-      const float clear = 1.0f - rgba[3][i];
-      Vec3 missing = constant;
-      if (clear > 0.0f && sky && share != 0.0f) {
-        const Vec3 seen = sky->look_up(direction(x, y));
-        for (size_t k = 0; k < 3; ++k) missing[k] += share * seen[k];
-      }
-      Vec3 color;
-      for (size_t k = 0; k < 3; ++k) color[k] = rgba[k][i] + (clear > 0.0f ? clear * missing[k] : 0.0f);
-      if (haze && haze->is_at(i)) blur(direction(x, y), color, haze->surfaces.data()[i] != 0);
-      if (as_bytes)
-        std::ranges::transform(color, static_cast<uint8_t*>(pixels) + 3 * i, byte_of);
-      else
-        std::ranges::copy(color, static_cast<float*>(pixels) + 3 * i);
-    }
-  };
   by_rows(height, width, threads, [&](py::ssize_t first, py::ssize_t end) {
-    for (py::ssize_t y = first; y < end; ++y) fill_row(y);
+    for (py::ssize_t y = first; y < end; ++y)
+      for (py::ssize_t x = 0, i = y * width; x < width; ++x, ++i) {
+        const Vec3 color = picture.color(x, y);
+        if (as_bytes)
+          std::ranges::transform(color, static_cast<uint8_t*>(pixels) + 3 * i, byte_of);
+        else
+          std::ranges::copy(color, static_cast<float*>(pixels) + 3 * i);
+      }
   });
   return result;
 }
@@ -189,9 +221,8 @@ py::array with_backdrop(const std::vector<Array<float>>& planes, const Array<dou
 }  // namespace
 
 void define_backdrop(py::module_& module) {
-  module.def("with_backdrop", with_backdrop, py::arg("planes"), py::arg("added"), py::arg("faces"), py::arg("sky_share"),
-             py::arg("srgb"), py::arg("corner"), py::arg("across"), py::arg("down"), py::arg("threads"),
-             py::arg("haze"), py::arg("as_bytes"));
+  module.def("with_backdrop", with_backdrop, py::arg("planes"), py::arg("backdrop"), py::arg("directions"),
+             py::arg("threads"), py::arg("haze"), py::arg("as_bytes"));
 }
 
 }  // namespace sideray::python

@@ -16,13 +16,15 @@ from ._errors import (DeviceFailed, Error, InvalidArgument, NoDevice, OutOfMemor
                       Unsupported)
 from ._images import Comparison, compare, read_image, save_png
 from ._layered import LayeredDepth, SurfaceFace, SurfaceKind
+from ._load import load
 from ._native import version as _version
+from ._objects import (VISIBLE_ALL, VISIBLE_AO, VISIBLE_LAYERS, VISIBLE_REFLECTION, VISIBLE_SHADOW, Object,
+                       Particles)
 from ._offscreen import OffscreenRenderer, RenderFlags
 from ._picture import Picture
 from ._pictures import Pictures
 from ._renderer import Renderer, devices, option, option_names
-from ._scene import (VISIBLE_ALL, VISIBLE_AO, VISIBLE_LAYERS, VISIBLE_REFLECTION, VISIBLE_SHADOW, Object, Particles,
-                     Scene, load)
+from ._scene import Scene
 from ._truth import Mask, ObjectTruth
 from . import datasets  # after what it is made of
 

@@ -19,9 +19,10 @@ from ._arrays import Array
 from . import _native
 from ._camera import Camera
 from ._errors import InvalidArgument, Unsupported
+from ._objects import Object
 from ._picture import Picture
 from ._renderer import Renderer
-from ._scene import Object, Scene
+from ._scene import Scene
 
 _TRIANGLES = 4  # GLTF.TRIANGLES
 # What pyrender's materials lack, read where a script has set it.

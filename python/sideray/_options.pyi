@@ -3,7 +3,7 @@
 from typing import Iterable, Literal, Optional, TypedDict, Union
 
 from ._camera import Vector
-from ._scene import ArrayLike
+from ._convert import ArrayLike
 
 class RenderOptions(TypedDict, total=False):
     quality: Optional[Literal["draft", "balanced", "best"]]

@@ -14,10 +14,12 @@ import numpy as np
 from ._arrays import Array
 from . import _native
 from ._camera import Camera, Vector
+from ._convert import ArrayLike
 from ._errors import InvalidArgument, Unsupported
+from ._objects import Object
 from ._picture import Picture
 from ._pictures import Pictures, columns_of, groups_of
-from ._scene import ArrayLike, Object, Scene
+from ._scene import Scene
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack

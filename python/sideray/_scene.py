@@ -2,172 +2,21 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from ._arrays import Array
 from . import _layered, _native, _truth
+from ._arrays import Array
 from ._camera import Camera, matrix
-from ._errors import InvalidArgument, SceneNotFound
-
-ArrayLike = Any  # what numpy.asarray takes
-MaterialLike = Union[int, Mapping[str, Any], None]
-
-# Which rays may hit an object. LAYERS counts only for translucent materials, SHADOW only for opaque ones.
-VISIBLE_LAYERS, VISIBLE_REFLECTION, VISIBLE_SHADOW, VISIBLE_AO, VISIBLE_ALL = 1, 2, 4, 8, 15
+from ._convert import ArrayLike, MaterialLike, array, lat_long, material_fields, mesh_arrays, texels, transform_columns
+from ._errors import InvalidArgument
+from ._objects import VISIBLE_ALL, Object, Particles
 
 # The light of files and scenes without one, as the program has it.
 _DEFAULT_SUN = {"type": "directional", "direction": (-0.4, -0.8, -0.45), "intensity": (3.0, 3.0, 3.0),
                 "angular_diameter_deg": 0.53}
-
-
-def _columns(transform: Optional[ArrayLike]) -> Array:
-    """Twelve numbers, column by column, as the C interface takes them."""
-    return matrix(np.eye(4) if transform is None else transform, "transform")[:3].T.ravel()
-
-
-def _array(values: ArrayLike, dtype: Any, what: str) -> Array:
-    try:
-        given = np.asarray(values)
-        if np.issubdtype(dtype, np.unsignedinteger):
-            if given.size and not np.issubdtype(given.dtype, np.integer) and not (given == np.floor(given)).all():
-                raise InvalidArgument(f"{what}: the array holds {given.dtype} with fractions; give whole numbers")
-            if given.size and (given.min() < 0 or given.max() > np.iinfo(dtype).max):
-                raise InvalidArgument(f"{what}: numbers from {given.min()} to {given.max()} are out of range; "
-                                      f"give 0 to {np.iinfo(dtype).max}")
-        result = np.ascontiguousarray(given, dtype)
-        if np.issubdtype(dtype, np.floating) and not np.isfinite(result).all():
-            raise InvalidArgument(f"{what}: {int((~np.isfinite(result)).sum())} of {result.size} numbers are not finite; "
-                                  "remove or repair them")
-        return result
-    except (TypeError, ValueError, OverflowError) as error:
-        if isinstance(error, InvalidArgument):
-            raise
-        raise InvalidArgument(f"{what}: {error}; give an array of numbers") from None
-
-
-def _mesh_arrays(positions: ArrayLike, triangles: Optional[ArrayLike] = None, normals: Optional[ArrayLike] = None,
-                 uv: Optional[ArrayLike] = None, uv1: Optional[ArrayLike] = None, colors: Optional[ArrayLike] = None,
-                 tangents: Optional[ArrayLike] = None) -> _native.MeshArrays:
-    def optional(values: Optional[ArrayLike], dtype: Any, what: str) -> Optional[Array]:
-        return None if values is None else _array(values, dtype, what)
-
-    rgba = optional(colors, np.float32, "colors")
-    if rgba is not None and rgba.ndim == 2 and rgba.shape[1] == 3:
-        rgba = np.concatenate([rgba, np.ones((len(rgba), 1), np.float32)], axis=1)
-    return _native.MeshArrays(
-        _array(positions, np.float32, "positions"), optional(triangles, np.uint32, "triangles"),
-        optional(normals, np.float32, "normals"), optional(tangents, np.float32, "tangents"),
-        optional(uv, np.float32, "uv"), optional(uv1, np.float32, "uv1"), rgba)
-
-
-def _texels(image: ArrayLike) -> Array:
-    """(height, width, 4) uint8 of an image with 1, 3 or 4 channels, of uint8 or of floats 0..1."""
-    given = np.asarray(image)
-    if given.dtype != np.uint8:
-        given = np.floor(np.clip(np.nan_to_num(np.asarray(given, np.float64)), 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
-    if given.ndim == 2:
-        given = given[:, :, None]
-    if given.ndim != 3 or given.shape[2] not in (1, 3, 4):
-        raise InvalidArgument(f"image: the array has the shape {given.shape}; give (height, width) or (height, width, 1, 3 "
-                              "or 4)")
-    if given.shape[2] == 1:
-        given = np.repeat(given, 3, axis=2)
-    if given.shape[2] == 3:
-        given = np.concatenate([given, np.full_like(given[:, :, :1], 255)], axis=2)
-    return np.ascontiguousarray(given)
-
-
-class Object:
-    """A mesh in its place in a scene: what Scene.add_mesh and add_instance return.
-
-    surface_id: what Picture.ids shows; material, mesh: the numbers that the scene's add functions gave.
-    """
-
-    def __init__(self, scene: Scene, instance: int, mesh: int, material: int, surface_id: int, visibility: int,
-                 transform: Array) -> None:
-        self._scene = scene
-        self.instance, self.mesh, self.surface_id = instance, mesh, surface_id
-        self._material, self._visibility, self._transform = material, visibility, transform
-
-    @property
-    def transform(self) -> Array:
-        """(4, 4) float64, world from object. Assign a new one to move the object."""
-        world = np.eye(4)
-        world[:3] = self._transform.reshape(4, 3).T
-        return world
-
-    @transform.setter
-    def transform(self, transform: ArrayLike) -> None:
-        placed = _columns(transform)
-        self._scene._edited().move_instances(np.array([self.instance], np.uint32), placed[None])
-        self._transform = placed
-
-    @property
-    def material(self) -> int:
-        """The number of its material. Assign another, or a mapping of fields, which become a new one."""
-        return self._material
-
-    @material.setter
-    def material(self, material: MaterialLike) -> None:
-        self._replace(self._scene._material(material), self._visibility)
-
-    @property
-    def visibility(self) -> int:
-        """VISIBLE_*: which rays hit it."""
-        return self._visibility
-
-    @visibility.setter
-    def visibility(self, visibility: int) -> None:
-        self._scene._edited().set_visibility(self.instance, visibility)
-        self._visibility = visibility
-
-    def remove(self) -> None:
-        """Takes the object out of its scene; its mesh and material stay."""
-        self._scene._edited().remove_instances(np.array([self.instance], np.uint32))
-        self._scene.names.pop(self.surface_id, None)
-
-    def _replace(self, material: int, visibility: int) -> None:
-        def one(value: int) -> Array:
-            return np.array([value], np.uint32)
-
-        self._scene._edited().replace_instances(one(self.instance), one(self.mesh), one(material), self._transform[None],
-                                                one(self.surface_id), one(visibility))
-        self._material, self._visibility = material, visibility
-
-
-class Particles:
-    """Camera-facing sprites that share a texture. Rays never hit them, except where an option says so."""
-
-    def __init__(self, scene: Scene, particles: int) -> None:
-        self._scene, self._particles = scene, particles
-
-    def set(self, positions: ArrayLike, sizes: ArrayLike = 1.0, colors: ArrayLike = (1.0, 1.0, 1.0, 1.0),
-            rotations: ArrayLike = 0.0, cells: ArrayLike = 0.0) -> None:
-        """Replaces the sprites, 0 to 2^20 of them; their order does not matter.
-
-        positions: (n, 3), world, of their centres; sizes: world units, (n, 2) width and height, or numbers that
-        broadcast to it; colors: (n, 4) linear, multiplied onto the texel, RGB >= 0, A 0..1; rotations: (n,) radians,
-        counter-clockwise as seen; cells: (n,) of the flip-book, rounded down.
-        """
-        placed = _array(positions, np.float64, "positions")
-        count = len(placed)
-
-        def spread(values: ArrayLike, shape: Tuple[int, ...], what: str) -> Array:
-            given = _array(values, np.float32, what)
-            if given.ndim == 1 and len(shape) == 2 and given.shape == (count,) and count != shape[1]:
-                given = given[:, None]
-            try:
-                return np.ascontiguousarray(np.broadcast_to(given, shape))
-            except ValueError:
-                raise InvalidArgument(f"{what}: the array has the shape {given.shape}; give {shape}") from None
-
-        self._scene._edited().set_sprites(
-            self._particles, placed, spread(sizes, (count, 2), "sizes"), spread(colors, (count, 4), "colors"),
-            spread(rotations, (count,), "rotations"), spread(cells, (count,), "cells"))
 
 
 class Scene:
@@ -234,7 +83,7 @@ class Scene:
                      uv1: Optional[ArrayLike] = None, colors: Optional[ArrayLike] = None,
                      tangents: Optional[ArrayLike] = None) -> int:
         """Adds a mesh that nothing shows yet, and returns its number for add_instance. Arrays as for add_mesh."""
-        arrays = _mesh_arrays(positions, triangles, normals, uv, uv1, colors, tangents)
+        arrays = mesh_arrays(positions, triangles, normals, uv, uv1, colors, tangents)
         return self._edited().add_mesh(arrays)[0]
 
     def replace_geometry(self, mesh: int, positions: ArrayLike, triangles: Optional[ArrayLike] = None,
@@ -242,13 +91,13 @@ class Scene:
                          uv1: Optional[ArrayLike] = None, colors: Optional[ArrayLike] = None,
                          tangents: Optional[ArrayLike] = None) -> None:
         """Gives a mesh another shape; everything that shows it changes with it. Arrays as for add_mesh."""
-        self._edited().replace_mesh(mesh, _mesh_arrays(positions, triangles, normals, uv, uv1, colors, tangents))
+        self._edited().replace_mesh(mesh, mesh_arrays(positions, triangles, normals, uv, uv1, colors, tangents))
 
     def set_vertices(self, mesh: int, positions: ArrayLike, normals: Optional[ArrayLike] = None,
                      uv: Optional[ArrayLike] = None, *, uv1: Optional[ArrayLike] = None,
                      colors: Optional[ArrayLike] = None, tangents: Optional[ArrayLike] = None) -> None:
         """Moves the vertices of a mesh, as many as it has; its triangles stay, which is faster than replace_geometry."""
-        self._edited().set_vertices(mesh, _mesh_arrays(positions, None, normals, uv, uv1, colors, tangents))
+        self._edited().set_vertices(mesh, mesh_arrays(positions, None, normals, uv, uv1, colors, tangents))
 
     def remove_geometry(self, mesh: int) -> None:
         """Removes a mesh that nothing shows; one that is shown is refused."""
@@ -257,11 +106,11 @@ class Scene:
     def add_instance(self, mesh: int, *, material: MaterialLike = None, transform: Optional[ArrayLike] = None,
                      surface_id: Optional[int] = None, name: str = "", visibility: int = VISIBLE_ALL) -> Object:
         """Shows a mesh in one more place. Arguments as for add_mesh."""
-        placed, number = _columns(transform), self._material(material)
+        placed, number = transform_columns(transform), self._material(material)
         given = self._next_id if surface_id is None else int(surface_id)
 
         def one(value: int) -> Array:
-            return _array([value], np.uint32, "surface_id")
+            return array([value], np.uint32, "surface_id")
 
         names = self._edited().add_instances(one(mesh), one(number), placed[None], one(given), one(visibility))
         self._next_id, self._has_objects = max(self._next_id, given + 1), True
@@ -271,7 +120,7 @@ class Scene:
 
     def move(self, objects: Sequence[Object], transforms: ArrayLike) -> None:
         """Moves many objects in one call. transforms: (n, 4, 4) or (n, 3, 4), world from object."""
-        placed = _array(transforms, np.float64, "transforms")
+        placed = array(transforms, np.float64, "transforms")
         if placed.ndim != 3 or len(placed) != len(objects) or placed.shape[1:] not in ((4, 4), (3, 4)):
             raise InvalidArgument(f"transforms: the array has the shape {placed.shape}; give ({len(objects)}, 4, 4)")
         columns = np.ascontiguousarray(placed[:, :3].transpose(0, 2, 1)).reshape(len(objects), 12)
@@ -289,11 +138,11 @@ class Scene:
         from add_texture, or a mapping of texture, uv_set, wrap_u, wrap_v ("repeat", "clamp", "mirror"), filter
         ("trilinear", "bilinear", "nearest"), texture_from_uv (6,).
         """
-        return self._edited().add_material(_material_fields(fields))
+        return self._edited().add_material(material_fields(fields))
 
     def replace_material(self, material: int, **fields: Any) -> None:
         """Gives a material other properties; fields that are not given have their defaults."""
-        self._edited().replace_material(material, _material_fields(fields))
+        self._edited().replace_material(material, material_fields(fields))
 
     def remove_material(self, material: int) -> None:
         """Removes a material that nothing uses; one that is used is refused."""
@@ -305,11 +154,11 @@ class Scene:
         image: (height, width, 1, 3 or 4), top row first, uint8, or floats of 0..1. srgb: RGB goes through the transfer
         function of sRGB, as colours do; False for roughness, normals and other numbers.
         """
-        return self._edited().add_texture(_texels(image), srgb)
+        return self._edited().add_texture(texels(image), srgb)
 
     def replace_texture(self, texture: int, image: ArrayLike, *, srgb: bool = True) -> None:
         """Gives a texture other texels. As for add_texture."""
-        self._edited().replace_texture(texture, _texels(image), srgb)
+        self._edited().replace_texture(texture, texels(image), srgb)
 
     def remove_texture(self, texture: int) -> None:
         """Removes a texture that nothing uses; one that is used is refused."""
@@ -353,9 +202,9 @@ class Scene:
         elif isinstance(env, str) and env == "sky":
             rgb = _native.sky()
         elif isinstance(env, (str, os.PathLike)):
-            rgb = _lat_long(os.fspath(env))
+            rgb = lat_long(os.fspath(env))
         else:
-            rgb = _array(env, np.float32, "env")
+            rgb = array(env, np.float32, "env")
         self._edited().set_environment(rgb, scale, rotate)
 
     def add_particles(self, *, texture: int = 0, columns: int = 1, rows: int = 1, blend_mode: str = "alpha",
@@ -579,50 +428,3 @@ class Scene:
             return Camera._of_fields(self._content.camera(index, aspect))  # type: ignore[union-attr]
         known = ", ".join(repr(name) for name in names) or "none"
         raise InvalidArgument(f"camera {camera!r}: no such camera; the scene has {len(names)}: {known}")
-
-
-def _material_fields(fields: Mapping[str, Any]) -> Dict[str, Any]:
-    """base_color of three numbers is opaque; a mapping with None leaves a field at its default."""
-    given = {name: value for name, value in fields.items() if value is not None}
-    color = given.get("base_color")
-    if color is not None and np.shape(color) == (3,):
-        given["base_color"] = (*color, 1.0)
-    return given
-
-
-def _lat_long(path: str) -> Array:
-    if not os.path.exists(path):
-        raise SceneNotFound(f"env: there is no file {path}; give \"sky\", \"none\", or a lat-long .exr or .hdr")
-    planes, _ = _native.read_image(path)
-    if not all(c in planes for c in "RGB"):
-        raise InvalidArgument(f"{path}: has no channels R, G, B; use a lat-long colour image")
-    return np.stack([planes[c] for c in "RGB"], -1)
-
-
-def load(path: Union[str, "os.PathLike[str]"], *, animation: str = "", variant: str = "", time: float = 0.0,
-         default_light: bool = True, env: Union[str, ArrayLike, None] = "sky", env_scale: float = 1.0, env_rotate: float = 0.0,
-         max_seconds: float = 0.0, max_gb: float = 0.0) -> Scene:
-    """Reads a `.gltf` or `.glb` file, or makes a built-in scene ("panes", "forest?count=1000").
-
-    animation: "" = the first, "all", or a name; they loop. variant: of the materials, one of Scene.variants. time: seconds.
-    default_light: a file without lights gets a sun.
-    env, env_scale, env_rotate: surroundings, as for Scene.set_environment. The surface id of the i-th object is i + 1;
-    Scene.names has their names, Scene.warnings what was read otherwise than it is written. max_seconds of processor time,
-    max_gb of memory (10^9 bytes): a file that takes more is refused; 0 = what SIDERAY_LOAD_SECONDS and SIDERAY_LOAD_GB say,
-    else 20 and 2.
-    """
-    name = os.fsdecode(path)
-    if not _native.is_builtin(name) and not os.path.exists(name):
-        known = [row["name"] for row in _native.builtin_table()]
-        near = difflib.get_close_matches(name, known, 1)
-        hint = f"did you mean the built-in scene {near[0]}?" if near else f"built-in scenes are {', '.join(known)}"
-        raise SceneNotFound(f"cannot read {name}: there is no such file; {hint}")
-    for key, limit in (("max_seconds", max_seconds), ("max_gb", max_gb)):
-        if not 0.0 <= limit <= 1e6:
-            raise InvalidArgument(f"{key}: {limit} is not a number from 0 to 10^6; leave it out for the default")
-    content = _native.Content(name, animation, variant, time, default_light, max_seconds, max_gb)
-    scene = Scene(env=env, env_scale=env_scale, env_rotate=env_rotate, default_light=default_light)
-    scene._time = time
-    scene._scene.set_time(time, time)
-    scene._fill(content)
-    return scene

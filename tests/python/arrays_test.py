@@ -261,8 +261,8 @@ def test_a_backdrop_is_the_same_for_any_number_of_threads():
     corner, across, down = np.array([-1.0, 0.8, -1.0]), np.array([2 / 410, 0.1 / 410, 0.0]), np.array([0.0, -1.6 / 300, 0.0])
 
     def drawn(threads, faces=faces, as_bytes=False):
-        return _native.with_backdrop(planes, np.array([0.1, 0.2, 0.3]), faces, 0.5, False, corner, across, down, threads, None,
-                                     as_bytes)
+        return _native.with_backdrop(planes, (np.array([0.1, 0.2, 0.3]), faces, 0.5, False), (corner, across, down), threads,
+                                     None, as_bytes)
 
     one = drawn(1)
     for threads in (2, 3, 7):
@@ -294,8 +294,8 @@ def test_haze_is_two_strips_seen_in_perspective(share):
     haze = {"surfaces": surfaces, "is_endless": np.array([1, 0, 1], np.uint8), "color": np.array([1.0, 0, 0]),
             "up": np.array([0.0, 0, 1]), "height": height, "end": end, "share": share}
     faces = np.full((6, 4, 4, 3), [0, 0, 255], np.uint8)
-    drawn = _native.with_backdrop(planes, np.zeros(3), faces, 1.0, False, np.array([0.0, 1.0, falls[0]]), np.zeros(3),
-                                  np.array([0.0, 0.0, falls[1] - falls[0]]), 1, haze, False)
+    directions = np.array([0.0, 1.0, falls[0]]), np.zeros(3), np.array([0.0, 0.0, falls[1] - falls[0]])
+    drawn = _native.with_backdrop(planes, (np.zeros(3), faces, 1.0, False), directions, 1, haze, False)
     assert np.array_equal(drawn[:, 1], np.tile(np.float32([0, 1, 0]), (rows, 1))) and np.array_equal(drawn[:, 4], drawn[:, 1])
     assert np.allclose(drawn[:, 2, 0], expected, atol=2e-3) and np.array_equal(drawn[:, 2], drawn[:, 3])
     beyond = falls > -height / end  # of which the plane shows nothing, but the sky

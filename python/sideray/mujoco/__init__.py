@@ -17,7 +17,10 @@ from .._camera import Camera
 from .._picture import Picture
 from .._pictures import Pictures
 from .._renderer import Renderer as _Renderer
-from ._mirror import Backdrop, Look, Mirror, camera_of
+from ._light import Backdrop
+from ._look import Look
+from ._mirror import Mirror
+from ._view import camera_of
 
 __all__ = ["Renderer"]
 
@@ -277,7 +280,7 @@ class Renderer:
         size, (cameras, eyes, forwards) = (self._width, self._height), self._cameras()
         if len(cameras) == 1:
             return Pictures([self._renderer.render(mirror.scene, size, cameras[0], **options)]), cameras
-        lights = None if mirror.is_solid else mirror.lights(self._scene, self._states, forwards)
+        lights = None if mirror.is_solid else mirror.lights.of_states(self._scene, self._states, forwards)
         if mirror.moves_alone(self._states, eyes) and (mirror.is_solid or lights is not None):
             names, poses = mirror.poses(self._states, eyes)
             return self._renderer._draw_many(mirror.scene, cameras, size, names, poses, lights, **options), cameras
@@ -302,7 +305,7 @@ class Renderer:
         options.setdefault("ambient", False)  # ambient light reaches everything in MuJoCo
         options.setdefault("tonemap", "pbr-neutral" if self._look.linear else "none")
         self._pictures, cameras = self._render(self._drawn, options)
-        backdrop = self._drawn.backdrop(bool(flags[_FLAG.mjRND_SKYBOX]))
+        backdrop = self._drawn.surroundings.backdrop(bool(flags[_FLAG.mjRND_SKYBOX]))
         hazes = self._hazes(cameras)
         shown = [self._shown(*of_one, backdrop, options) for of_one in zip(self._pictures, cameras, hazes)]
         return np.stack(shown) if self._batch else shown[0]
@@ -311,7 +314,7 @@ class Renderer:
         """What each picture shows of the haze around an endless plane: in pixels in which nothing else is seen."""
         assert self._drawn is not None
         flags, size = self._scene.flags, (self._width, self._height)
-        has_haze = flags[_FLAG.mjRND_HAZE] and flags[_FLAG.mjRND_SKYBOX] and self._drawn.sky is not None
+        has_haze = flags[_FLAG.mjRND_HAZE] and flags[_FLAG.mjRND_SKYBOX] and self._drawn.surroundings.sky is not None
         if not has_haze or not any(self._drawn.haze(self._scene, camera, size) for camera in cameras):
             return [None] * len(cameras)
         pictures, mirror = self._surfaces(has_color=True)
@@ -320,9 +323,8 @@ class Renderer:
 
     def _shown(self, picture: Picture, camera: Camera, haze: Optional[Dict[str, Any]], backdrop: Backdrop,
                options: Mapping[str, Any]) -> Array:
-        corner, across, down = camera._directions(picture.size)
-        rgb = _native.with_backdrop([picture[name] for name in "RGBA"], *backdrop, corner, across, down,
-                                    picture.stats["threads"], haze, not self._look.linear)
+        rgb = _native.with_backdrop([picture[name] for name in "RGBA"], backdrop, camera._directions(picture.size),
+                                    picture.stats["threads"], haze, as_bytes=not self._look.linear)
         if self._look.linear:
             return _native.display(np.maximum(rgb, 0), options.get("exposure", 0.0), options["tonemap"])
         return rgb
