@@ -1,5 +1,4 @@
 """Draws a .glb with Blender's Cycles or EEVEE and prints what it took as JSON: run by script/scoreboard."""
-import argparse
 import json
 import pathlib
 import sys
@@ -9,7 +8,7 @@ import bpy
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 sys.dont_write_bytecode = True
 from blender_scene import Look, add_world, build  # noqa: E402
-from frames import timed  # noqa: E402
+from frames import parser_of, timed  # noqa: E402
 from gltf import Glb  # noqa: E402
 
 
@@ -43,21 +42,16 @@ def set_up_eevee(scene, options):
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="blender_frames.py", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("-o", required=True, help="the .exr to write")
+    parser = parser_of("blender_frames.py", __doc__, picture=".exr")
     parser.add_argument("--engine", choices=["cycles", "eevee"], default="cycles")
-    parser.add_argument("--size", default="640x360")
     parser.add_argument("--samples", type=int, default=16)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--bounces", type=int, default=64)
     parser.add_argument("--denoise", action="store_true")
-    parser.add_argument("--sky", help="a lat-long .hdr")
-    parser.add_argument("--frames", type=int, default=0, help="how many frames are timed after the first")
     options = parser.parse_args()
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
-    set_up(scene, options, *map(int, options.size.split("x")))
+    set_up(scene, options, *options.size)
     eevee = options.engine == "eevee"
     (set_up_eevee if eevee else set_up_cycles)(scene, options)
     add_world(options.sky)

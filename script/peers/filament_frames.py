@@ -1,6 +1,5 @@
 """Draws a .glb with Filament, as MuJoCo 4 brings it, and prints what it took as JSON: run by script/scoreboard."""
 import abc
-import argparse
 import collections.abc
 import json
 import pathlib
@@ -19,20 +18,14 @@ from mujoco.rendering.filament.renderer import Renderer, View  # noqa: E402
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 sys.dont_write_bytecode = True
-from frames import timed  # noqa: E402
+from frames import parser_of, timed  # noqa: E402
 from gltf import Glb  # noqa: E402
 from mujoco_model import Builder  # noqa: E402
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="filament_frames.py", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("-o", required=True, help="the .png to write")
-    parser.add_argument("--size", default="640x360")
-    parser.add_argument("--sky", help="a lat-long .hdr, whose mean is the constant light")
-    parser.add_argument("--frames", type=int, default=0, help="how many frames are timed after the first")
-    options = parser.parse_args()
-    width, height = map(int, options.size.split("x"))
+    options = parser_of("filament_frames.py", __doc__).parse_args()
+    width, height = options.size
     model = Builder(Glb(options.scene), options.sky, width, height).model()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)

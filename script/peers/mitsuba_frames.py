@@ -1,5 +1,4 @@
 """Draws a .glb with Mitsuba 3 and prints what it took as JSON: run by script/scoreboard."""
-import argparse
 import io
 import json
 import math
@@ -12,7 +11,7 @@ from PIL import Image
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 sys.dont_write_bytecode = True
-from frames import timed  # noqa: E402
+from frames import parser_of, timed  # noqa: E402
 from gltf import Glb, Material  # noqa: E402
 
 MOST_SAMPLES_AT_ONCE = 1 << 25  # of all pixels: what fits into memory
@@ -186,20 +185,15 @@ def draw(scene, samples, seed, pixels, robust=False):
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="mitsuba_frames.py", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("-o", required=True, help="the .npy to write: radiance")
-    parser.add_argument("--size", default="640x360")
+    parser = parser_of("mitsuba_frames.py", __doc__, picture=".npy of radiance")
     parser.add_argument("--samples", type=int, default=16)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--robust", action="store_true", help="without single bright samples")
-    parser.add_argument("--sky", help="a lat-long .hdr")
-    parser.add_argument("--frames", type=int, default=0, help="how many frames are timed after the first")
     options = parser.parse_args()
     variant()
     import mitsuba_glass  # after the variant
     mitsuba_glass.register()
-    width, height = map(int, options.size.split("x"))
+    width, height = options.size
     scene = Builder(Glb(options.scene)).scene(width, height, options.sky)
     picture = draw(scene, options.samples, options.seed, width * height, options.robust)
     numpy.save(options.o, picture.astype("f4"))

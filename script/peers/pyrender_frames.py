@@ -1,5 +1,4 @@
 """Draws a .glb with pyrender and prints what it took as JSON: run by script/scoreboard."""
-import argparse
 import io
 import json
 import os
@@ -16,7 +15,7 @@ from PIL import Image  # noqa: E402
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 sys.dont_write_bytecode = True
-from frames import timed  # noqa: E402
+from frames import parser_of, timed  # noqa: E402
 from gltf import Glb, Material, constant_sky  # noqa: E402
 
 
@@ -77,14 +76,8 @@ class Builder:
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="pyrender_frames.py", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("-o", required=True, help="the .png to write")
-    parser.add_argument("--size", default="640x360")
-    parser.add_argument("--sky", help="a lat-long .hdr, whose mean is the constant light")
-    parser.add_argument("--frames", type=int, default=0, help="how many frames are timed after the first")
-    options = parser.parse_args()
-    width, height = map(int, options.size.split("x"))
+    options = parser_of("pyrender_frames.py", __doc__).parse_args()
+    width, height = options.size
     scene, camera, world = Builder(Glb(options.scene)).scene(options.sky, width / height)
     suns = any(isinstance(node.light, pyrender.DirectionalLight) for node in scene.light_nodes)
     flags = pyrender.RenderFlags.SHADOWS_DIRECTIONAL if suns else pyrender.RenderFlags.NONE

@@ -3,7 +3,6 @@
 Depth peeling, physically based materials, the file's lights, the sky as image-based lighting; no shadows, since VTK's
 shadow maps know neither point lights nor peeling.
 """
-import argparse
 import json
 import pathlib
 import sys
@@ -12,7 +11,7 @@ import vtk
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 sys.dont_write_bytecode = True
-from frames import timed  # noqa: E402
+from frames import parser_of, timed  # noqa: E402
 from gltf import Glb, Material  # noqa: E402
 
 MOST_PEELS = 100
@@ -133,15 +132,10 @@ def gl_name(window):
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="vtk_frames.py", description=__doc__)
-    parser.add_argument("scene")
-    parser.add_argument("-o", required=True, help="the .png to write")
-    parser.add_argument("--size", default="1280x720")
+    parser = parser_of("vtk_frames.py", __doc__, size="1280x720")
     parser.add_argument("--camera", type=int, default=0)
-    parser.add_argument("--sky", help="a lat-long .hdr")
-    parser.add_argument("--frames", type=int, default=0, help="how many frames are timed after the first")
     options = parser.parse_args()
-    window, renderer = set_up(options, *(int(n) for n in options.size.split("x")))
+    window, renderer = set_up(options, *options.size)
     frame(window, renderer, 0)
     write_picture(window, options.o)
     result = timed(lambda number: frame(window, renderer, 1e-4 * number), options.frames)
