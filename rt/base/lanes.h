@@ -4,6 +4,8 @@
 // inline functions, of ours or of the standard library. Any thread may call it. Results have the same bits everywhere:
 // only operations that IEEE 754 defines exactly, no contraction, no approximate reciprocals. Transcendental functions
 // use the cores of elementary/functions.h in vectors of doubles, and give the same bits.
+#pragma once
+
 #if !defined(SIDERAY_LANES) || !defined(SIDERAY_LANE_COUNT)
 #error "for the sources that sideray_lanes() compiles (rt/CMakeLists.txt)"
 #endif

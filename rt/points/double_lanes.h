@@ -1,5 +1,7 @@
 // Adds arithmetic on vectors of doubles to rt/base/lanes.h. It is included by files that are compiled once for each
 // instruction set, and the same rules apply. Any thread may call it.
+#pragma once
+
 #include "rt/base/lanes.h"
 
 namespace sideray::rt::SIDERAY_LANES {
