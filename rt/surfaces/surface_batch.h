@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "rt/surfaces/shade_kernels.h"
+#include "rt/surfaces/shadow_rays.h"
 #include "rt/surfaces/surface.h"
 #include "rt/textures/environment_lookup.h"
 
@@ -34,27 +35,6 @@ void make_surfaces(const ShadingScene& scene, const ShadeKernels& kernels, std::
 // Does the same, and appends the surfaces to `points`.
 void append_surfaces(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
                      std::vector<SurfacePoint>& points);
-
-// Holds shadow rays by component, and the unoccluded light that each adds to its point. Its memory never shrinks.
-class ShadowRays {
- public:
-  size_t size() const { return count_; }
-  void clear() { count_ = 0; }
-  // Makes room for `more` rays.
-  void reserve(size_t more);
-  void append(const ShadeKernels& kernels, const LightBlock& light, float share, uint32_t point);
-  // Returns the highlight that the fixed function adds after texturing; undefined if it does not separate highlights.
-  glm::vec3 shine(size_t ray) const { return {shine_[0][ray], shine_[1][ray], shine_[2][ray]}; }
-  RayColumns columns() const;
-  uint32_t point(size_t ray) const { return points_[ray]; }
-  glm::vec3 gain(size_t ray) const { return {gain_[0][ray], gain_[1][ray], gain_[2][ray]}; }
-
- private:
-  std::vector<float> origin_[3], direction_[3], gain_[3], shine_[3], t_far_;
-  std::vector<float> t_near_;  // all 0
-  std::vector<uint32_t> points_;
-  size_t count_ = 0;
-};
 
 // Holds the indirect light at a point. thrown: radiance of a white diffuse surface that only other surfaces light.
 // open: unoccluded share of the sky's light.
