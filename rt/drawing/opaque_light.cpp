@@ -16,6 +16,10 @@
 namespace sideray::rt {
 namespace {
 
+glm::vec3 vector_of_halfs(const uint16_t* halfs) {
+  return {imath_half_to_float(halfs[0]), imath_half_to_float(halfs[1]), imath_half_to_float(halfs[2])};
+}
+
 constexpr uint32_t first_combined_light = 32;
 constexpr size_t enough_rays = 1024;  // for full packets across lights, as in HitShader
 
@@ -149,7 +153,7 @@ class LightPass {
       const size_t lane = i % block_size;
       // Reflection rays sample only isotropic lobes.
       if (halfs[3] == 0 || (a.brushed >> lane & 1u) != 0) continue;
-      const glm::vec3 seen(imath_half_to_float(halfs[0]), imath_half_to_float(halfs[1]), imath_half_to_float(halfs[2]));
+      const glm::vec3 seen = vector_of_halfs(halfs);
       set_vector(a.specular, lane, glm::mix(vector_at(a.specular, lane), seen, imath_half_to_float(halfs[3])));
     }
   }
@@ -162,7 +166,7 @@ class LightPass {
       const uint16_t* halfs = &request_.bounced->light[size_t{4} * w.texels[i]];
       if (halfs[3] == 0) continue;
       AroundBlock& a = around[i / block_size];
-      const glm::vec3 light(imath_half_to_float(halfs[0]), imath_half_to_float(halfs[1]), imath_half_to_float(halfs[2]));
+      const glm::vec3 light = vector_of_halfs(halfs);
       set_vector(a.irradiance, i % block_size, glm::max(vector_at(a.irradiance, i % block_size) + light, 0.0f));
     }
   }
@@ -175,7 +179,7 @@ class LightPass {
       const uint16_t* halfs = &request_.bounced->light[size_t{4} * w.texels[i]];
       if (halfs[3] == 0) continue;
       AroundBlock& a = around[i / block_size];
-      const glm::vec3 light(imath_half_to_float(halfs[0]), imath_half_to_float(halfs[1]), imath_half_to_float(halfs[2]));
+      const glm::vec3 light = vector_of_halfs(halfs);
       const float open = request_.sky ? mask_share(request_.masks->open[w.texels[i]]) : 1.0f;
       for (BlockRow(*rows)[3] : {&a.specular, &a.coat, &a.behind})
         set_vector(*rows, i % block_size, glm::max(vector_at(*rows, i % block_size) * open + light, 0.0f));

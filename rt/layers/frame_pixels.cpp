@@ -224,4 +224,15 @@ void gather_pixels(const LayerRequest& request, const PixelSelection& selection,
   join_parts(executor, frame);
 }
 
+FramePixels every_pixel(uint32_t width, uint32_t height, Executor& executor) {
+  LayerRequest request;
+  request.width = width;
+  request.height = height;
+  request.mask = SIDERAY_MASK_NONE;
+  request.max_layers = 0;  // unlimited
+  FramePixels frame;
+  gather_pixels(request, {}, executor, frame);
+  return frame;
+}
+
 }  // namespace sideray::rt

@@ -2,7 +2,10 @@
 // neighbours. Any thread may call it.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "rt/base/executor.h"
@@ -36,5 +39,18 @@ PixelSelection selection_of(const CacheRequest& request);
 // Refills `frame`. Throws Failure if the request is invalid.
 void gather_pixels(const LayerRequest& request, const PixelSelection& selection, Executor& executor,
                    FramePixels& frame);
+
+// Returns all pixels of a picture; each requests all of its surfaces.
+FramePixels every_pixel(uint32_t width, uint32_t height, Executor& executor);
+
+// Calls `trace` in all threads, with at most `most` of the frame's pixels and the number of the thread.
+template <typename Trace>
+void trace_in_chunks(const FramePixels& frame, size_t most, Executor& executor, const Trace& trace) {
+  const std::span<const PixelRequest> pixels = frame.pixels;
+  executor.run((pixels.size() + most - 1) / most, [&](size_t chunk, uint32_t thread) {
+    const size_t first = chunk * most;
+    trace(pixels.subspan(first, std::min(most, pixels.size() - first)), thread);
+  });
+}
 
 }  // namespace sideray::rt

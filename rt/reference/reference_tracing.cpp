@@ -304,13 +304,7 @@ Counters ReferenceTracing::trace(const ReferenceRequest& request, TracedScene& s
   const RefractionScene* refraction = refracted(reference, request.refraction);
   const EmitterSampler& shining = emitters(reference, request.bounces);
   clear(request, image);
-  LayerRequest every_pixel;
-  every_pixel.width = request.width;
-  every_pixel.height = request.height;
-  every_pixel.mask = SIDERAY_MASK_NONE;
-  every_pixel.max_layers = 0;  // unlimited
-  FramePixels frame;
-  gather_pixels(every_pixel, {}, scene.executor(), frame);
+  const FramePixels frame = every_pixel(request.width, request.height, scene.executor());
   for (ReferenceWorker& w : workers_) {
     w.counters = {};
     w.begin(reference, refraction, shining, {request.light_samples, request.bounces, request.shadows, request.refraction,
@@ -318,16 +312,13 @@ Counters ReferenceTracing::trace(const ReferenceRequest& request, TracedScene& s
   }
   for (uint32_t position = 0; position < request.views.size(); ++position) {
     Pass pass(request, reference, refraction, position, image);
-    const auto for_chunks = [&](void (Pass::*step)(std::span<const PixelRequest>, ReferenceWorker&)) {
-      const size_t chunks = (frame.pixels.size() + pixels_in_chunk - 1) / pixels_in_chunk;
-      scene.executor().run(chunks, [&](size_t chunk, uint32_t thread) {
-        if (request.cancelled && request.cancelled->load()) return;
-        const size_t first = chunk * pixels_in_chunk, count = std::min(pixels_in_chunk, frame.pixels.size() - first);
-        (pass.*step)(std::span(frame.pixels).subspan(first, count), workers_[thread]);
+    const auto for_all_pixels = [&](void (Pass::*step)(std::span<const PixelRequest>, ReferenceWorker&)) {
+      trace_in_chunks(frame, pixels_in_chunk, scene.executor(), [&](std::span<const PixelRequest> pixels, uint32_t thread) {
+        if (!request.cancelled || !request.cancelled->load()) (pass.*step)(pixels, workers_[thread]);
       });
     };
-    if (pass.distorts_picture()) for_chunks(&Pass::trace_distortion);
-    for_chunks(&Pass::trace);
+    if (pass.distorts_picture()) for_all_pixels(&Pass::trace_distortion);
+    for_all_pixels(&Pass::trace);
   }
   Counters sum;
   for (const ReferenceWorker& w : workers_) sum += w.counters;

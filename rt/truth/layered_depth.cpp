@@ -229,19 +229,10 @@ void LayeredDepthTracing::trace(const LayeredDepthRequest& request, TracedScene&
   const bool crosses = request.wanted.path == SIDERAY_LAYERS_BENT &&
                        scene.intersector().has_translucent(LayerSet::all_translucent);
   LayerPass pass(request, shading, scene.intersector(), crosses ? &refraction_.of(shading.snapshot) : nullptr);
-  LayerRequest every_pixel;
-  every_pixel.width = request.wanted.width;
-  every_pixel.height = request.wanted.height;
-  every_pixel.mask = SIDERAY_MASK_NONE;
-  every_pixel.max_layers = 0;  // unlimited
-  FramePixels frame;
-  gather_pixels(every_pixel, {}, scene.executor(), frame);
+  const FramePixels frame = every_pixel(request.wanted.width, request.wanted.height, scene.executor());
   std::vector<LayerWorker> workers(scene.executor().threads());
-  const size_t chunks = (frame.pixels.size() + pixels_in_layer_chunk - 1) / pixels_in_layer_chunk;
-  scene.executor().run(chunks, [&](size_t chunk, uint32_t thread) {
-    const size_t first = chunk * pixels_in_layer_chunk;
-    const size_t count = std::min(pixels_in_layer_chunk, frame.pixels.size() - first);
-    pass.trace(std::span<const PixelRequest>(frame.pixels).subspan(first, count), workers[thread]);
+  trace_in_chunks(frame, pixels_in_layer_chunk, scene.executor(), [&](std::span<const PixelRequest> pixels, uint32_t thread) {
+    pass.trace(pixels, workers[thread]);
   });
 }
 

@@ -195,13 +195,7 @@ void count_samples(PlacePass& pass, const ObjectTruthRequest& request, uint32_t 
 }  // namespace
 
 std::vector<ObjectTruth> trace_object_truth(const ObjectTruthRequest& request, TracedScene& scene) {
-  LayerRequest every_pixel;
-  every_pixel.width = request.width;
-  every_pixel.height = request.height;
-  every_pixel.mask = SIDERAY_MASK_NONE;
-  every_pixel.max_layers = 0;  // unlimited
-  FramePixels frame;
-  gather_pixels(every_pixel, {}, scene.executor(), frame);
+  const FramePixels frame = every_pixel(request.width, request.height, scene.executor());
   std::vector<ObjectTruth> truths(request.objects);
   PlacePass pass(request, scene, frame);
   std::vector<std::vector<Covered>> of_chunk(pass.chunks());
