@@ -175,35 +175,40 @@ TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& sc
   shaders_.begin_frame({.scene = shading,
                         .intersector = scene.intersector(),
                         .calls = host_calls(request),
-                        .shadows = request.shadows,
-                        .tells_rough = request.denoise != 0,
-                        .error = request.ray_reuse,
-                        .viewer = way_to_viewer(request.view),
-                        .bounces = request.light_bounces});
+                        .shading = {.shadows = request.shadows,
+                                    .tell_rough = request.denoise != 0,
+                                    .error = request.ray_reuse,
+                                    .viewer = way_to_viewer(request.view),
+                                    .bounces = request.light_bounces}});
   TileReach* reach = request.wanted ? request.wanted->reach.get() : nullptr;
   if (reach) reach->fit(request.view, request.width, request.height, request.depth);
+  const Traced traced{request, context, bends ? &bent.context : nullptr, cache, older};
   const auto trace = [&](size_t chunk, std::span<const PixelRequest> pixels, uint32_t thread) {
     if (!chosen_.empty() && !chosen_[chunk]) return TraceEnd::complete;
     Following rays(reach, Following::Rays::of_layers);
-    LayerFilter::Chunk* rough = request.denoise ? &filter_.chunk(chunk) : nullptr;
-    Worker& worker = workers_[thread];
-    PointShader& shader = shaders_.begin_chunk(thread);
-    if (request.whole_pixels) worker.whole.begin(request, shading, whole_later_[chunk]);
-    WholePixels* whole = request.whole_pixels ? &worker.whole : nullptr;
-    CacheSink sink(cache, *shading.snapshot, rough, whole, older);
-    const auto into = [&](LayerSink& any) { return worker.tracer.trace(context, pixels, shader, any, worker.counters); };
-    TraceEnd end;
-    if (bends) {
-      RefractingSink refracting(sink, bent.context, shader, worker.refraction, worker.counters);
-      end = into(refracting);
-    } else {
-      end = into(sink);
-    }
+    const TraceEnd end = trace_chunk(traced, chunk, pixels, thread);
     if (older && end == TraceEnd::complete) older->traced(pixels, cache);
     if (reach) add_to_tiles(request, pixels, rays);
     return end;
   };
   return chunks_.run(request, scene.executor(), trace, leave, counters);
+}
+
+TraceEnd LayerTracing::trace_chunk(const Traced& traced, size_t chunk, std::span<const PixelRequest> pixels,
+                                   uint32_t thread) {
+  Worker& worker = workers_[thread];
+  PointShader& shader = shaders_.begin_chunk(thread);
+  const ShadingScene& shading = *traced.straight.scene;
+  WholePixels* whole = traced.request.whole_pixels ? &worker.whole : nullptr;
+  if (whole) whole->begin(traced.request, shading, whole_later_[chunk]);
+  LayerFilter::Chunk* rough = traced.request.denoise ? &filter_.chunk(chunk) : nullptr;
+  CacheSink sink(traced.cache, *shading.snapshot, rough, whole, traced.older);
+  const auto into = [&](LayerSink& any) {
+    return worker.tracer.trace(traced.straight, pixels, shader, any, worker.counters);
+  };
+  if (!traced.bent) return into(sink);
+  RefractingSink refracting(sink, *traced.bent, shader, worker.refraction, worker.counters);
+  return into(refracting);
 }
 
 }  // namespace sideray::rt

@@ -40,6 +40,15 @@ class LayerTracing {
   void refract(const CacheRequest& request, TracedScene& scene, FrameContext& straight, Bent& bent);
   void composite_filtered(Executor& executor, LayerCache& cache);
   TraceEnd trace_chunks(const CacheRequest& request, TracedScene& scene, LayerCache& cache, Counters& counters);
+  // Names what all chunks of a frame share.
+  struct Traced {
+    const CacheRequest& request;
+    const FrameContext& straight;
+    const RefractionContext* bent;  // null: nothing bends light
+    LayerCache& cache;
+    OlderLayers* older;  // null: the frame takes nothing from earlier ones
+  };
+  TraceEnd trace_chunk(const Traced& traced, size_t chunk, std::span<const PixelRequest> pixels, uint32_t thread);
 
   FrameChunks chunks_;
   std::vector<uint8_t> chosen_;  // chunks to trace; empty: all

@@ -69,11 +69,11 @@ ShaderSource& CompositeTracing::begin_shaders(const LayerRequest& request, Trace
   shaders_.begin_frame({.scene = shading,
                         .intersector = scene.intersector(),
                         .calls = host_calls(request),
-                        .shadows = request.shadows,
-                        .tells_rough = request.resolves && request.denoise,
-                        .error = request.ray_reuse,
-                        .viewer = way_to_viewer(request.view),
-                        .bounces = request.light_bounces});
+                        .shading = {.shadows = request.shadows,
+                                    .tell_rough = request.resolves && request.denoise,
+                                    .error = request.ray_reuse,
+                                    .viewer = way_to_viewer(request.view),
+                                    .bounces = request.light_bounces}});
   return shaders_;
 }
 

@@ -62,7 +62,7 @@ void distort_picture(const OpaqueRequest& r, const OpaquePixels& pixels, TracedS
              [&](size_t, std::span<const PixelRequest> part, uint32_t thread) {
                Counters counters;
                DistortionSink sink(view, r.width, offsets);
-               shaders[thread].begin(shading, scene.intersector(), false);
+               shaders[thread].begin(shading, scene.intersector(), {.shadows = false});
                return tracers[thread].trace(context, part, shaders[thread], sink, counters);
              },
              {}, unread);

@@ -204,7 +204,9 @@ std::vector<uint8_t> count_translucent(const OpaqueRequest& request, const Opaqu
       const Hit& hit = pixels.hits[size_t{w.tile.pixels[i].y} * request.width + w.tile.pixels[i].x];
       if (hit.instance != no_instance) w.tile.rays[i].t_far = static_cast<float>(hit.distance);
     }
-    intersector.nearest_layers(set, w.tile.rays, most, true, w.layers.data(), w.counts.data(), cone_of_middle(view, request));
+    intersector.nearest_layers(set, w.tile.rays,
+                               {.layers = most, .coherent = true, .cone = cone_of_middle(view, request)},
+                               w.layers.data(), w.counts.data());
     for (size_t i = 0; i < w.tile.pixels.size(); ++i)
       result[size_t{w.tile.pixels[i].y} * request.width + w.tile.pixels[i].x] = static_cast<uint8_t>(w.counts[i]);
   });

@@ -270,22 +270,22 @@ void Intersector::set_scene(std::shared_ptr<const model::Snapshot> snapshot, con
   }
 }
 
-void Intersector::nearest_layers(LayerSet set, std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
-                                 uint32_t* counts, Cone cone, bool cull) const {
+void Intersector::nearest_layers(LayerSet set, std::span<const Ray> rays, const LayerSearch& search, Hit* hits,
+                                 uint32_t* counts) const {
   const FlushDenormals flush;
   if (Following* following = Following::now()) following->follow(rays, meets_sprites(set));
-  const LayerRules rules = rules_of(layers, cull, cone);
+  const LayerRules rules = rules_of(search.layers, search.cull, search.cone);
   if (rules.layers == 0 || !has_translucent(set)) {
     std::fill_n(counts, rays.size(), 0u);
     return;
   }
   with_width(state_->width, [&](auto n) {
-    trace_layers<n>(state_->table, state_->layers, mask_of(set), rules, coherent, rays, hits, counts);
+    trace_layers<n>(state_->table, state_->layers, mask_of(set), rules, search.coherent, rays, hits, counts);
   });
 }
 
-void Intersector::nearest_places(LayerSet set, std::span<const Ray> rays, bool coherent, Hit* hits, uint32_t* counts,
-                                 double* known, Cone cone, bool cull) const {
+void Intersector::nearest_places(LayerSet set, std::span<const Ray> rays, const LayerSearch& search, Hit* hits,
+                                 uint32_t* counts, double* known) const {
   const FlushDenormals flush;
   if (Following* following = Following::now()) following->follow(rays, meets_sprites(set));
   if (!has_translucent(set)) {
@@ -293,9 +293,9 @@ void Intersector::nearest_places(LayerSet set, std::span<const Ray> rays, bool c
     std::fill_n(known, rays.size(), std::numeric_limits<double>::infinity());
     return;
   }
-  const LayerRules rules{.layers = 1, .kept = most_at_place, .cull = cull, .cone = cone};
+  const LayerRules rules{.layers = 1, .kept = most_at_place, .cull = search.cull, .cone = search.cone};
   with_width(state_->width, [&](auto n) {
-    trace_layers<n>(state_->table, state_->layers, mask_of(set), rules, coherent, rays, hits, counts, known);
+    trace_layers<n>(state_->table, state_->layers, mask_of(set), rules, search.coherent, rays, hits, counts, known);
   });
 }
 
@@ -331,13 +331,13 @@ void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* 
   if (Following* following = Following::now()) following->follow(rays, hits);
 }
 
-void Intersector::nearest_opaque_layers(std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
-                                        uint32_t* counts, Cone cone, bool cull) const {
+void Intersector::nearest_opaque_layers(std::span<const Ray> rays, const LayerSearch& search, Hit* hits,
+                                        uint32_t* counts) const {
   const FlushDenormals flush;
   if (Following* following = Following::now()) following->follow(rays, false);
-  const LayerRules rules = rules_of(layers, cull, cone);
+  const LayerRules rules = rules_of(search.layers, search.cull, search.cone);
   with_width(state_->width, [&](auto n) {
-    trace_layers<n>(state_->table, state_->world, mask_opaque, rules, coherent, rays, hits, counts);
+    trace_layers<n>(state_->table, state_->world, mask_opaque, rules, search.coherent, rays, hits, counts);
   });
 }
 

@@ -23,6 +23,14 @@ enum class LayerSet { visible_in_layers, all_translucent, with_sprites, tints_li
 // Says which opaque instances a ray hits. walls: the ones visible in reflections that have no holes.
 enum class OpaqueSet { visible_in_reflection, casts_shadow, occludes_sky, walls, all };
 
+// Says how layers of surfaces are searched.
+struct LayerSearch {
+  uint32_t layers = 1;    // the most of a ray, up to 64
+  bool coherent = false;  // the rays belong to neighbouring pixels, in 4x4 order
+  Cone cone = {};         // of all rays, chooses the mip level of alpha
+  bool cull = true;       // the rasterizer's rule: materials that are not double sided have no backs
+};
+
 class Intersector {
  public:
   // Opens a device for the instruction set `isa`; "" = the best. Throws Failure.
@@ -35,19 +43,18 @@ class Intersector {
   // share. If it throws, the scene is empty.
   void set_scene(std::shared_ptr<const model::Snapshot> snapshot, const SceneUpdate& update = {});
 
-  // Finds the first `layers` translucent surfaces of each ray in the total order (distance, surface id, primitive):
-  // hits[i * layers + k], counts[i] of them. Obeys the rasterizer's cull rule (materials that are not double sided show
-  // only their front) and alpha discard (< 1/255, textured at the level of the rays' common `cone`). Returns all
-  // coplanar surfaces, but a surface only once if a ray hits the edge between two of its triangles. coherent: the rays
-  // belong to neighbouring pixels, in 4x4 order. layers <= 64. cull = false: hits backs of all materials.
-  void nearest_layers(LayerSet set, std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
-                      uint32_t* counts, Cone cone = {}, bool cull = true) const;
+  // Finds the first translucent surfaces of each ray in the total order (distance, surface id, primitive):
+  // hits[i * search.layers + k], counts[i] of them. Obeys the rasterizer's alpha discard (< 1/255). Returns all coplanar
+  // surfaces, but a surface only once if a ray hits the edge between two of its triangles.
+  void nearest_layers(LayerSet set, std::span<const Ray> rays, const LayerSearch& search, Hit* hits,
+                      uint32_t* counts) const;
   // Finds the nearest translucent surface of each ray and the others at the same distance, as nearest_layers() finds
   // its first four: hits[i * most_at_place + k], counts[i] of them. known[i] is a distance up to which the ray hits no
   // other surface; rounding hides whether one lies just behind it. It is infinite if the ray hits no surface.
+  // search.layers has no effect.
   static constexpr uint32_t most_at_place = 4;
-  void nearest_places(LayerSet set, std::span<const Ray> rays, bool coherent, Hit* hits, uint32_t* counts,
-                      double* known, Cone cone = {}, bool cull = true) const;
+  void nearest_places(LayerSet set, std::span<const Ray> rays, const LayerSearch& search, Hit* hits, uint32_t* counts,
+                      double* known) const;
   // Finds all translucent surfaces of each ray, back faces included, in the total order. They count as in
   // nearest_layers(), with alpha at the finest mip level. At most the nearest 64 of a ray are returned.
   void all_layers(LayerSet set, std::span<const Ray> rays, RaySurfaces& surfaces) const;
@@ -56,10 +63,8 @@ class Intersector {
   // rays (docs/adr/0043-back-faces.md).
   void nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits,
                       OpaqueSet set = OpaqueSet::visible_in_reflection, Cone cone = {}, bool cull = false) const;
-  // Finds the first `layers` OPAQUE or MASK surfaces of each ray, whatever their visibility flags, as nearest_layers()
-  // does: all coplanar ones, and back faces only if `cull` is false. layers <= 64.
-  void nearest_opaque_layers(std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits, uint32_t* counts,
-                             Cone cone = {}, bool cull = true) const;
+  // Finds the first OPAQUE or MASK surfaces of each ray, whatever their visibility flags, as nearest_layers() does.
+  void nearest_opaque_layers(std::span<const Ray> rays, const LayerSearch& search, Hit* hits, uint32_t* counts) const;
   // Tests whether an OPAQUE or MASK surface of the set lies between t_near and t_far: occluded[i] = 0 or 1.
   void occluded(std::span<const Ray> rays, bool coherent, uint8_t* occluded,
                 OpaqueSet set = OpaqueSet::casts_shadow) const;

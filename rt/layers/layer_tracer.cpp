@@ -123,8 +123,8 @@ void LayerTracer::traverse_group(uint32_t layers) {
   for (const uint32_t pixel : group_) rays_.push_back(states_[pixel].ray);
   hits_.resize(group_.size() * layers);
   hit_counts_.resize(group_.size());
-  frame_->intersector->nearest_layers(frame_->set, rays_, layers, true, hits_.data(), hit_counts_.data(),
-                                      middle_cone());
+  frame_->intersector->nearest_layers(frame_->set, rays_, {.layers = layers, .coherent = true, .cone = middle_cone()},
+                                      hits_.data(), hit_counts_.data());
   counters_->rays_primary += group_.size();
   for (size_t i = 0; i < group_.size(); ++i) take_hits(group_[i], &hits_[i * layers], hit_counts_[i], layers);
 }

@@ -26,7 +26,8 @@ bool veils_sky(const model::Snapshot& snapshot) {
 void Veils::meet(const ShadingScene& scene, const Intersector& intersector, std::span<const Ray> rays, bool coherent) {
   hits_.resize(rays.size() * most_layers);
   counts_.resize(rays.size());
-  intersector.nearest_layers(LayerSet::all_translucent, rays, most_layers, coherent, hits_.data(), counts_.data());
+  intersector.nearest_layers(LayerSet::all_translucent, rays, {.layers = most_layers, .coherent = coherent},
+                             hits_.data(), counts_.data());
   places_.clear();
   of_places_.clear();
   for (size_t r = 0; r < rays.size(); ++r)

@@ -38,8 +38,9 @@ void Beams::dim(std::vector<Beam>& beams, BeamTarget target) {
   const auto find = [&](uint32_t layers, std::vector<Ray>& rays, std::vector<Hit>& hits, std::vector<uint32_t>& counts) {
     hits.resize(rays.size() * layers);
     counts.resize(rays.size());
-    intersector_->nearest_layers(LayerSet::with_sprites, rays, layers, directions_agree(rays), hits.data(), counts.data(),
-                                 {}, false);
+    intersector_->nearest_layers(LayerSet::with_sprites, rays,
+                                 {.layers = layers, .coherent = directions_agree(rays), .cull = false}, hits.data(),
+                                 counts.data());
     traversals += rays.size();
   };
   find(most_at_first, rays_, hits_, counts_);

@@ -80,8 +80,10 @@ void LightWays::find_translucent(std::span<LightWay* const> ways, bool from_eye,
   hits_.resize(rays_.size() * layers);
   counts_.resize(rays_.size());
   // Includes backs; whether one is visible depends on the media there (is_there).
-  intersector_->nearest_layers(LayerSet::with_sprites, rays_, layers, directions_agree(rays_), hits_.data(),
-                               counts_.data(), from_eye ? eye_ : Cone{}, false);
+  intersector_->nearest_layers(
+      LayerSet::with_sprites, rays_,
+      {.layers = layers, .coherent = directions_agree(rays_), .cone = from_eye ? eye_ : Cone{}, .cull = false},
+      hits_.data(), counts_.data());
   traversals += rays_.size();
   const std::vector<model::Instance>& instances = surfaces_->snapshot->instances;
   for (size_t i = 0; i < group_.size(); ++i)

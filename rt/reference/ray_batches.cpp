@@ -60,7 +60,7 @@ void trace_translucent(const model::Snapshot& snapshot, const Intersector& inter
                        uint32_t layers, sideray_hit* hits) {
   std::vector<Hit> found(rays.size() * layers);
   std::vector<uint32_t> counts(rays.size());
-  intersector.nearest_layers(LayerSet::all_translucent, rays, layers, false, found.data(), counts.data());
+  intersector.nearest_layers(LayerSet::all_translucent, rays, {.layers = layers}, found.data(), counts.data());
   for (size_t i = 0; i < rays.size(); ++i)
     for (uint32_t k = 0; k < layers; ++k) {
       Hit& hit = found[i * layers + k];

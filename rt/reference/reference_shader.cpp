@@ -80,7 +80,7 @@ void ReferenceShader::add_points_of_light(std::span<const SurfacePoint> points, 
       const shading::SrIncidence in = shading::sr_incidence(light.light, p.position);
       if (!(largest(in.irradiance) > 0.0f)) continue;
       const glm::vec3 gain = shading::sr_reflect_light(p.surface, p.to_eye, in.to_light) * in.irradiance;
-      add_shadow_ray(p, i, in.to_light, in.distance, gain, shadows, b);
+      add_direct_light(p, i, {in.to_light, in.distance, gain}, shadows, b);
     }
     end_shadow_rays(b);
   }
@@ -111,7 +111,7 @@ void ReferenceShader::sample_lights(std::span<const SurfacePoint> points, const 
       const glm::vec3 direction = glm::normalize(model::Frame(cone.axis).world(sample_cone(u, cone.aperture)));
       const float weight = balance(n, 1.0f / cone_solid_angle(cone.aperture), n, b.lobes[i].density(direction));
       const glm::vec3 gain = shading::sr_reflect_light(p.surface, p.to_eye, direction) * cone.radiance * weight;
-      add_shadow_ray(p, i, direction, distance_to_light(cone, u.x * cone.aperture), gain, lighting.shadows, b);
+      add_direct_light(p, i, {direction, distance_to_light(cone, u.x * cone.aperture), gain}, lighting.shadows, b);
     }
     end_shadow_rays(b);
   }
@@ -126,15 +126,17 @@ void ReferenceShader::sample_lobes(std::span<const SurfacePoint> points, const L
     const glm::vec3 direction = b.lobes[i].sample(random_point(p, for_lobes, lighting.half, j));
     if (direction == glm::vec3(0.0f)) continue;
     const float density = b.lobes[i].density(direction);
-    add_environment(p, i, direction, density, scene_.environment->density(direction), lighting,
-                    random_key({p.key, for_reflection, lighting.half, j}), b);
+    add_environment(p, i,
+                    {direction, density, scene_.environment->density(direction),
+                     random_key({p.key, for_reflection, lighting.half, j})},
+                    lighting, b);
     for (size_t light = 0; light < scene_.lights->size(); ++light) {
       const LightCone& cone = b.cones[light * points.size() + i];
       const float below = cone.aperture > 0.0f ? below_axis(cone, direction) : 1.0f;
       if (below >= cone.aperture || !(largest(cone.radiance) > 0.0f)) continue;
       const glm::vec3 gain = shading::sr_reflect_light(p.surface, p.to_eye, direction) * cone.radiance *
                              balance(n, density, n, 1.0f / cone_solid_angle(cone.aperture));
-      add_shadow_ray(p, i, direction, distance_to_light(cone, below), gain, lighting.shadows, b);
+      add_direct_light(p, i, {direction, distance_to_light(cone, below), gain}, lighting.shadows, b);
     }
   }
 }
@@ -145,18 +147,21 @@ void ReferenceShader::sample_environment(std::span<const SurfacePoint> points, c
     const SurfacePoint& p = points[i];
     if (!b.lobes[i].reflects()) continue;
     const EnvironmentSampler::Sample s = scene_.environment->sample(random_point(p, for_environment, lighting.half, j));
-    add_environment(p, i, s.direction, b.lobes[i].density(s.direction), s.density, lighting,
-                    random_key({p.key, for_reflection, lighting.half, j, 1u}), b);
+    add_environment(p, i,
+                    {s.direction, b.lobes[i].density(s.direction), s.density,
+                     random_key({p.key, for_reflection, lighting.half, j, 1u})},
+                    lighting, b);
   }
 }
 
 // Adds the environment in a direction that one of the two strategies chose: at once for an unoccluded lobe, or by a ray
 // if the scene may occlude it.
-void ReferenceShader::add_environment(const SurfacePoint& p, size_t i, glm::vec3 direction, float lobe_density,
-                                      float environment_density, const Lighting& lighting, uint32_t key, Bounce& b) {
+void ReferenceShader::add_environment(const SurfacePoint& p, size_t i, const EnvironmentDirection& chosen,
+                                      const Lighting& lighting, Bounce& b) {
+  const glm::vec3 direction = chosen.direction;
   const auto n = static_cast<float>(lighting.samples);
   const shading::SrReflection r = shading::sr_reflection(p.surface, p.to_eye, direction);
-  const float weight = balance(n, lobe_density, n, environment_density) * p.surface.occlusion;
+  const float weight = balance(n, chosen.lobe_density, n, chosen.environment_density) * p.surface.occlusion;
   const glm::vec3 radiance = scene_.environment->black() ? glm::vec3(0.0f) : scene_.environment->radiance(direction);
   b.sums[i] += r.wide * radiance * weight;
   if (!lighting.traced) {
@@ -169,21 +174,22 @@ void ReferenceShader::add_environment(const SurfacePoint& p, size_t i, glm::vec3
   const float average = b.lobes[i].glossy_albedo() / n;
   const float mean = scene_.environment->black() ? 1.0f : std::max(scene_.environment->mean_radiance(), 1e-20f);
   const float chance = largest(glossy) * std::max(largest(radiance) / mean, 1.0f) / (worth_a_ray * average);
-  if (chance < 1.0f && unit_float(random_key({key, for_lot})) >= chance) return;
+  if (chance < 1.0f && unit_float(random_key({chosen.key, for_lot})) >= chance) return;
   const glm::vec3 ray = shading::sr_lifted(direction, p.geometric_normal);
   rays_.push_back({start_of_ray(p, ray), 0.0f, ray, farthest});
-  reflections_.push_back({static_cast<uint32_t>(i), key, glossy / std::min(chance, 1.0f)});
+  reflections_.push_back({static_cast<uint32_t>(i), chosen.key, glossy / std::min(chance, 1.0f)});
 }
 
-void ReferenceShader::add_shadow_ray(const SurfacePoint& p, size_t i, glm::vec3 direction, float distance,
-                                     glm::vec3 gain, bool shadows, Bounce& b) {
-  if (!(largest(gain) > 0.0f)) return;
+// Adds the light by a shadow ray, or at once if it casts no shadows.
+void ReferenceShader::add_direct_light(const SurfacePoint& p, size_t i, const DirectLight& light, bool shadows, Bounce& b) {
+  if (!(largest(light.gain) > 0.0f)) return;
   if (!shadows) {
-    b.sums[i] += gain;
+    b.sums[i] += light.gain;
     return;
   }
-  b.shadow_rays.push_back({start_of_ray(p, direction), 0.0f, direction, distance * (1.0f - short_of_light)});
-  b.shadow_gains.push_back(gain);
+  b.shadow_rays.push_back(
+      {start_of_ray(p, light.to_light), 0.0f, light.to_light, light.distance * (1.0f - short_of_light)});
+  b.shadow_gains.push_back(light.gain);
   b.shadow_points.push_back(static_cast<uint32_t>(i));
 }
 
@@ -259,8 +265,9 @@ void ReferenceShader::trace_opaque(std::span<const SurfacePoint> points, bool co
 void ReferenceShader::composite_in_front(std::span<const SurfacePoint> points, bool coherent) {
   layer_hits_.resize(rays_.size() * layers_in_reflection);
   layer_counts_.resize(rays_.size());
-  scene_.intersector->nearest_layers(LayerSet::all_translucent, rays_, layers_in_reflection, coherent,
-                                     layer_hits_.data(), layer_counts_.data());
+  scene_.intersector->nearest_layers(LayerSet::all_translucent, rays_,
+                                     {.layers = layers_in_reflection, .coherent = coherent}, layer_hits_.data(),
+                                     layer_counts_.data());
   rays_reflection += rays_.size();
   second_points_.clear();
   fronts_.clear();

@@ -58,6 +58,18 @@ class ReferenceShader final : public PointShader {
     std::vector<uint32_t> shadow_points;
     std::vector<uint8_t> blocked;
   };
+  // Describes light from a direction, which something may occlude.
+  struct DirectLight {
+    glm::vec3 to_light;
+    float distance;
+    glm::vec3 gain;  // what it adds to the point
+  };
+  // Names a direction to the environment, and how dense both strategies choose such ones.
+  struct EnvironmentDirection {
+    glm::vec3 direction;
+    float lobe_density, environment_density;
+    uint32_t key;  // of random numbers
+  };
   struct ReflectionRay {
     uint32_t point, key;
     glm::vec3 weight;
@@ -74,10 +86,9 @@ class ReferenceShader final : public PointShader {
   void sample_lights(std::span<const SurfacePoint> points, const Lighting& lighting, uint32_t j, Bounce& bounce);
   void sample_lobes(std::span<const SurfacePoint> points, const Lighting& lighting, uint32_t j, Bounce& bounce);
   void sample_environment(std::span<const SurfacePoint> points, const Lighting& lighting, uint32_t j, Bounce& bounce);
-  void add_environment(const SurfacePoint& point, size_t i, glm::vec3 direction, float lobe_density,
-                       float environment_density, const Lighting& lighting, uint32_t key, Bounce& bounce);
-  void add_shadow_ray(const SurfacePoint& point, size_t i, glm::vec3 direction, float distance, glm::vec3 gain,
-                      bool shadows, Bounce& bounce);
+  void add_environment(const SurfacePoint& point, size_t i, const EnvironmentDirection& chosen,
+                       const Lighting& lighting, Bounce& bounce);
+  void add_direct_light(const SurfacePoint& point, size_t i, const DirectLight& light, bool shadows, Bounce& bounce);
   void end_shadow_rays(Bounce& bounce);
   void pass_glass(Bounce& bounce);
   void end_reflections(std::span<const SurfacePoint> points, Bounce& bounce);

@@ -169,7 +169,8 @@ TraceEnd ReflectionTracing::reflect(const Tile& tile, Worker& w) {
   if (by_host)
     w.host.begin(*tile.scene, *tile.intersector, host_calls(r), r.shadows);
   else
-    w.built_in.begin(*tile.scene, *tile.intersector, r.shadows, false, r.error, way_to_viewer(r.view), r.light_bounces);
+    w.built_in.begin(*tile.scene, *tile.intersector,
+                     {.shadows = r.shadows, .error = r.error, .viewer = way_to_viewer(r.view), .bounces = r.light_bounces});
   w.mirrors.begin(*tile.scene, *tile.intersector,
                   by_host ? static_cast<SecondaryHitShader&>(w.host) : static_cast<SecondaryHitShader&>(w.built_in));
   w.radiance.resize(w.points.size());

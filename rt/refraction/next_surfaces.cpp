@@ -88,8 +88,9 @@ void NextSurfaces::find_places() {
   hit_counts_.resize(rays_.size());
   known_.resize(rays_.size());
   const FrameContext& frame = *context_->frame;
-  frame.intersector->nearest_places(frame.set, rays_, directions_agree(rays_), hits_.data(), hit_counts_.data(),
-                                    known_.data(), common_cone(), false);
+  frame.intersector->nearest_places(frame.set, rays_,
+                                    {.coherent = directions_agree(rays_), .cone = common_cone(), .cull = false},
+                                    hits_.data(), hit_counts_.data(), known_.data());
   counters_->rays_primary += rays_.size();
   for (size_t k = 0; k < group_.size(); ++k) {
     RefractedPath& path = paths_[group_[k]];
@@ -151,8 +152,9 @@ void NextSurfaces::traverse_group(uint32_t layers, bool cull) {
   hits_.resize(rays_.size() * layers);
   hit_counts_.resize(rays_.size());
   const FrameContext& frame = *context_->frame;
-  frame.intersector->nearest_layers(frame.set, rays_, layers, directions_agree(rays_), hits_.data(), hit_counts_.data(),
-                                    common_cone(), cull);
+  frame.intersector->nearest_layers(
+      frame.set, rays_, {.layers = layers, .coherent = directions_agree(rays_), .cone = common_cone(), .cull = cull},
+      hits_.data(), hit_counts_.data());
   counters_->rays_primary += rays_.size();
   const std::vector<model::Instance>& instances = context_->scene->surfaces.snapshot->instances;
   for (size_t i = 0; i < group_.size(); ++i) {

@@ -9,7 +9,8 @@ MediumStack media_at(const RefractionScene& scene, const Intersector& intersecto
   const Ray up{point, 0.0f, {0, 1, 0}, farthest};
   Hit hits[most_layers_in_round];
   uint32_t count = 0;
-  intersector.nearest_layers(LayerSet::all_translucent, {&up, 1}, most_layers_in_round, false, hits, &count, {}, false);
+  intersector.nearest_layers(LayerSet::all_translucent, {&up, 1}, {.layers = most_layers_in_round, .cull = false}, hits,
+                             &count);
   MediumStack entered;
   std::vector<uint32_t> around;  // the innermost first
   for (uint32_t i = 0; i < count; ++i) {

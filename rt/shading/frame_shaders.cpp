@@ -5,11 +5,10 @@ namespace sideray::rt {
 PointShader& FrameShaders::begin_chunk(uint32_t thread) {
   Thread& own = threads_[thread];
   if (frame_->scene.snapshot->shader.shade) {
-    own.host.begin(frame_->scene, frame_->intersector, frame_->calls, frame_->shadows);
+    own.host.begin(frame_->scene, frame_->intersector, frame_->calls, frame_->shading.shadows);
     return own.host;
   }
-  own.model.begin(frame_->scene, frame_->intersector, frame_->shadows, frame_->tells_rough,
-                  frame_->error, frame_->viewer, frame_->bounces);
+  own.model.begin(frame_->scene, frame_->intersector, frame_->shading);
   return own.model;
 }
 

@@ -27,11 +27,7 @@ class FrameShaders final : public ShaderSource {
     const ShadingScene& scene;
     const Intersector& intersector;
     HostCalls calls;
-    bool shadows;
-    bool tells_rough;  // rough reflections are also returned by rough()
-    float error;       // LayerRequest::ray_reuse
-    glm::vec3 viewer = {0, 0, 1};  // way_to_viewer()
-    bool bounces = false;          // LayerRequest::light_bounces
+    HitShading shading;
   };
   explicit FrameShaders(uint32_t threads) : threads_(threads) {}
   void begin_frame(const Frame& frame) { frame_.emplace(frame); }

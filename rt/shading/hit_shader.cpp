@@ -34,21 +34,20 @@ float mirror_share(const AroundBlock& a, size_t lane) {
 
 }  // namespace
 
-void HitShader::begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough,
-                      float error, glm::vec3 viewer, bool bounces) {
+void HitShader::begin(const ShadingScene& scene, const Intersector& intersector, const HitShading& options) {
   scene_ = &scene;
   intersector_ = &intersector;
-  shadows_ = shadows;
-  tell_rough_ = tell_rough;
-  error_ = error;
+  shadows_ = options.shadows;
+  tell_rough_ = options.tell_rough;
+  error_ = options.error;
   rough_.clear();
   rays_reflection = rays_shadow = rays_bounce = 0;
-  bounces_ = bounces && !scene.snapshot->fixed;
-  if (bounces_) around_.begin(scene, intersector, shadows);
+  bounces_ = options.bounces && !scene.snapshot->fixed;
+  if (bounces_) around_.begin(scene, intersector, shadows_);
   mirrors_.begin(scene, intersector, *this);
   light_.begin(scene, intersector);
   const std::string isa = intersector.isa();
-  for (SurfaceBatch* batch : {&seen_, &reflected_, &in_front_}) batch->begin(scene, isa, viewer);
+  for (SurfaceBatch* batch : {&seen_, &reflected_, &in_front_}) batch->begin(scene, isa, options.viewer);
 }
 
 void HitShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance) {

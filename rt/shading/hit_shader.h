@@ -18,14 +18,20 @@
 
 namespace sideray::rt {
 
+struct HitShading {
+  bool shadows = true;      // traces shadow rays
+  bool tell_rough = false;  // rough() has results
+  // LayerRequest::ray_reuse. Above 0, faint lights are sampled at random; otherwise every light that reaches a point gets
+  // a shadow ray.
+  float error = 0.0f;
+  glm::vec3 viewer = {0, 0, 1};  // as in SurfaceBatch::begin()
+  bool bounces = false;          // surfaces light each other, and occlude the sky for each other
+};
+
 class HitShader final : public PointShader, public SecondaryHitShader, public RaySharing {
  public:
-  // Sets the scene and options until the next call; the caller keeps both objects alive. `shadows` false: no shadow
-  // rays. `tell_rough`: rough() has results. `error`: LayerRequest::ray_reuse; above 0, faint lights are sampled at
-  // random, else every light that reaches a point gets a shadow ray. `viewer`: as in SurfaceBatch::begin(). `bounces`:
-  // surfaces light each other, and occlude the sky for each other.
-  void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough = false,
-             float error = 0.0f, glm::vec3 viewer = {0, 0, 1}, bool bounces = false);
+  // Sets the scene and options until the next call; the caller keeps both objects alive.
+  void begin(const ShadingScene& scene, const Intersector& intersector, const HitShading& options = {});
 
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;

@@ -192,8 +192,8 @@ void MirrorRays::trace_in_front(bool coherent) {
     if (opaque_hits_[r].instance != no_instance) rays_[r].t_far = static_cast<float>(opaque_hits_[r].distance);
   layer_hits_.resize(rays_.size() * layers_in_reflection);
   layer_counts_.resize(rays_.size());
-  intersector_->nearest_layers(LayerSet::all_translucent, rays_, layers_in_reflection, coherent, layer_hits_.data(),
-                               layer_counts_.data());
+  intersector_->nearest_layers(LayerSet::all_translucent, rays_, {.layers = layers_in_reflection, .coherent = coherent},
+                               layer_hits_.data(), layer_counts_.data());
   traversals += rays_.size();
   trace_deep(coherent);
   gather_in_front();
@@ -215,8 +215,9 @@ void MirrorRays::trace_deep(bool coherent) {
   if (deep_rays_.empty()) return;
   deep_hits_.resize(deep_rays_.size() * most_layers_in_reflection);
   deep_counts_.resize(deep_rays_.size());
-  intersector_->nearest_layers(LayerSet::all_translucent, deep_rays_, most_layers_in_reflection, coherent,
-                               deep_hits_.data(), deep_counts_.data());
+  intersector_->nearest_layers(LayerSet::all_translucent, deep_rays_,
+                               {.layers = most_layers_in_reflection, .coherent = coherent}, deep_hits_.data(),
+                               deep_counts_.data());
   traversals += deep_rays_.size();
 }
 

@@ -84,7 +84,8 @@ class TruthPass {
         before[i].t_far = static_cast<float>(w.opaque[i].distance) * (1.0f - on_opaque_surface);
     w.glass.resize(pixels.size());
     w.counts.resize(pixels.size());
-    intersector_.nearest_layers(LayerSet::all_translucent, before, 1, true, w.glass.data(), w.counts.data(), cone_);
+    intersector_.nearest_layers(LayerSet::all_translucent, before, {.coherent = true, .cone = cone_}, w.glass.data(),
+                                w.counts.data());
     for (size_t i = 0; i < pixels.size(); ++i)
       if (w.counts[i] == 0) w.glass[i].instance = no_instance;
   }
@@ -209,20 +210,11 @@ GroundTruthImage GroundTruthTracing::trace(const GroundTruthRequest& request, Tr
   const size_t texels = size_t{request.width} * request.height;
   GroundTruthImage image{std::vector<SeenSurface>(texels), std::vector<SeenSurface>(texels),
                          std::vector<PathTruth>(request.behind ? texels : 0)};
-  LayerRequest every_pixel;
-  every_pixel.width = request.width;
-  every_pixel.height = request.height;
-  every_pixel.mask = SIDERAY_MASK_NONE;
-  every_pixel.max_layers = 0;  // unlimited
-  FramePixels frame;
-  gather_pixels(every_pixel, {}, scene.executor(), frame);
+  const FramePixels frame = every_pixel(request.width, request.height, scene.executor());
   TruthPass pass(request, shading, scene.intersector(), refraction, image);
   std::vector<TruthWorker> workers(scene.executor().threads());
-  const size_t chunks = (frame.pixels.size() + pixels_in_truth_chunk - 1) / pixels_in_truth_chunk;
-  scene.executor().run(chunks, [&](size_t chunk, uint32_t thread) {
-    const size_t first = chunk * pixels_in_truth_chunk;
-    const size_t count = std::min(pixels_in_truth_chunk, frame.pixels.size() - first);
-    pass.trace(std::span<const PixelRequest>(frame.pixels).subspan(first, count), workers[thread]);
+  trace_in_chunks(frame, pixels_in_truth_chunk, scene.executor(), [&](std::span<const PixelRequest> pixels, uint32_t thread) {
+    pass.trace(pixels, workers[thread]);
   });
   return image;
 }

@@ -23,14 +23,16 @@ class SurfaceWalk {
   template <typename Met>
   void opaque(std::span<const Ray> rays, const Met& met) {
     walk(rays, met, [this](uint32_t layers) {
-      intersector_.nearest_opaque_layers(rays_, layers, true, hits_.data(), counts_.data(), cone_, cull_);
+      intersector_.nearest_opaque_layers(rays_, {.layers = layers, .coherent = true, .cone = cone_, .cull = cull_},
+                                         hits_.data(), counts_.data());
     });
   }
   template <typename Met>
   void translucent(std::span<const Ray> rays, const Met& met) {
     walk(rays, met, [this](uint32_t layers) {
-      intersector_.nearest_layers(LayerSet::all_translucent, rays_, layers, true, hits_.data(), counts_.data(), cone_,
-                                  cull_);
+      intersector_.nearest_layers(LayerSet::all_translucent, rays_,
+                                  {.layers = layers, .coherent = true, .cone = cone_, .cull = cull_}, hits_.data(),
+                                  counts_.data());
     });
   }
 

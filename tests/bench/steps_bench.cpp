@@ -92,7 +92,8 @@ void multihit(benchmark::State& state, const Place& (*at)()) {
   for (auto _ : state)
     place.for_chunks([&](std::span<const Ray> rays) {
       counts.resize(rays.size());
-      place.intersector.nearest_layers(LayerSet::visible_in_layers, rays, layers, true, hits.data(), counts.data());
+      place.intersector.nearest_layers(LayerSet::visible_in_layers, rays, {.layers = layers, .coherent = true},
+                                       hits.data(), counts.data());
       found += sum(counts);
     });
   report(state, place, found);
@@ -122,7 +123,8 @@ class Retracer {
     }
     hits_.resize(active_.size() * asked);
     counts_.resize(active_.size());
-    place.intersector.nearest_layers(LayerSet::visible_in_layers, packed_, asked, true, hits_.data(), counts_.data());
+    place.intersector.nearest_layers(LayerSet::visible_in_layers, packed_, {.layers = asked, .coherent = true},
+                                     hits_.data(), counts_.data());
     size_t kept = 0;
     for (size_t i = 0; i < active_.size(); ++i) {
       const uint32_t ray = active_[i];

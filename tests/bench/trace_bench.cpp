@@ -66,7 +66,8 @@ void traversal(benchmark::State& state) {
   std::vector<rt::Hit> hits(s.rays.size() * layers);
   std::vector<uint32_t> counts(s.rays.size());
   for (auto _ : state)
-    intersector.nearest_layers(rt::LayerSet::visible_in_layers, s.rays, layers, true, hits.data(), counts.data());
+    intersector.nearest_layers(rt::LayerSet::visible_in_layers, s.rays, {.layers = layers, .coherent = true},
+                               hits.data(), counts.data());
   state.SetItemsProcessed(state.iterations() * static_cast<int64_t>(s.rays.size()));
 }
 
@@ -108,7 +109,8 @@ Layers found_layers(const rt::Intersector& intersector, uint32_t layers) {
   const Setup& s = setup();
   std::vector<rt::Hit> hits(s.rays.size() * layers);
   std::vector<uint32_t> counts(s.rays.size());
-  intersector.nearest_layers(rt::LayerSet::visible_in_layers, s.rays, layers, true, hits.data(), counts.data());
+  intersector.nearest_layers(rt::LayerSet::visible_in_layers, s.rays, {.layers = layers, .coherent = true}, hits.data(),
+                             counts.data());
   Layers found;
   for (size_t i = 0; i < s.rays.size(); ++i)
     for (uint32_t k = 0; k < counts[i]; ++k) {
@@ -142,7 +144,7 @@ void part_of_trace(benchmark::State& state, Part part) {
   rt::SurfaceBatch lanes;
   lanes.begin(scene, intersector.isa());
   rt::HitShader shader;
-  shader.begin(scene, intersector, part == Part::shade_shadowed);
+  shader.begin(scene, intersector, {.shadows = part == Part::shade_shadowed});
   std::vector<glm::vec3> radiance(batch);
   std::vector<std::vector<rt::SurfacePoint>> kept;
   if (part != Part::surfaces)

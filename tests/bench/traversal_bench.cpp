@@ -130,8 +130,8 @@ void layers(benchmark::State& state, bool double_sided) {
   uint64_t found = 0;
   for (auto _ : state) {
     for (size_t first = 0; first < rays.size(); first += chunk_rays) {
-      tracer.nearest_layers(LayerSet::visible_in_layers, {rays.data() + first, chunk_rays}, most, true, hits.data(),
-                            counts.data());
+      tracer.nearest_layers(LayerSet::visible_in_layers, {rays.data() + first, chunk_rays},
+                            {.layers = most, .coherent = true}, hits.data(), counts.data());
       found = std::accumulate(counts.begin(), counts.end(), found);
     }
   }

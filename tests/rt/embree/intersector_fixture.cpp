@@ -222,7 +222,7 @@ std::vector<std::vector<Hit>> layers_of(const Intersector& intersector, const st
                                         bool coherent, LayerSet set) {
   std::vector<Hit> hits(rays.size() * layers);
   std::vector<uint32_t> counts(rays.size());
-  intersector.nearest_layers(set, rays, layers, coherent, hits.data(), counts.data());
+  intersector.nearest_layers(set, rays, {.layers = layers, .coherent = coherent}, hits.data(), counts.data());
   std::vector<std::vector<Hit>> result;
   for (size_t i = 0; i < rays.size(); ++i)
     result.emplace_back(hits.begin() + static_cast<std::ptrdiff_t>(i * layers),

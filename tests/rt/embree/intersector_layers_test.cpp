@@ -173,7 +173,7 @@ size_t expect_places(const Intersector& intersector, const std::vector<Ray>& ray
   std::vector<Hit> hits(rays.size() * most);
   std::vector<uint32_t> counts(rays.size());
   std::vector<double> known(rays.size());
-  intersector.nearest_places(LayerSet::visible_in_layers, rays, false, hits.data(), counts.data(), known.data());
+  intersector.nearest_places(LayerSet::visible_in_layers, rays, {}, hits.data(), counts.data(), known.data());
   const std::vector<std::vector<Hit>> all = layers_of(intersector, rays, 64);
   size_t several = 0, wrong = 0;
   for (size_t i = 0; i < rays.size(); ++i) {

@@ -268,9 +268,9 @@ TEST(TracerLight, surfaces_do_not_shadow_or_reflect_themselves) {
           intersector.set_scene(snapshot);
           HitShader shader;
           std::vector<glm::vec3> with(points.size()), without(points.size());
-          shader.begin(lit, intersector, true);
+          shader.begin(lit, intersector);
           shader.shade(points, with.data());
-          shader.begin(lit, intersector, false);
+          shader.begin(lit, intersector, {.shadows = false});
           shader.shade(points, without.data());
           for (size_t i = 0; i < points.size(); ++i, ++tried) wrong += with[i] != without[i] || !(with[i].x > 0.05f);
         }

@@ -35,7 +35,7 @@ struct Hits {
       if (hits[i].instance != no_instance) places.push_back({&hits[i], &rays[i], {0.0f, 0.02f}, weight});
     std::vector<glm::vec3> radiance(places.size());
     HitShader shader;
-    shader.begin(*shading, intersector, true, false, 0.0f, {0, 0, 1}, bounces);
+    shader.begin(*shading, intersector, {.bounces = bounces});
     shader.shade_secondary_hits(places, radiance.data());
     rays_bounce = shader.rays_bounce;
     return radiance;

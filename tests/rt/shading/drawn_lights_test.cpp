@@ -39,7 +39,7 @@ struct Lamps {
     Hit hit{};
     if (in_mirror) {
       uint32_t count = 0;
-      intersector.nearest_layers(LayerSet::all_translucent, rays, 1, true, &hit, &count);
+      intersector.nearest_layers(LayerSet::all_translucent, rays, {.coherent = true}, &hit, &count);
       EXPECT_EQ(count, 1u);
     } else {
       intersector.nearest_opaque(rays, true, &hit);
@@ -58,7 +58,7 @@ struct Lamps {
     // Lights are drawn by the place: these are different, and lit alike.
     for (uint32_t i = 0; i < keys; ++i) points[i].position.x += 1e-6f * (static_cast<float>(i) - 0.5f * static_cast<float>(keys));
     HitShader shader;
-    shader.begin(*shading, intersector, true, false, error);
+    shader.begin(*shading, intersector, {.error = error});
     Shaded shaded{std::vector<glm::vec3>(keys), 0};
     shader.shade(points, shaded.radiance.data());
     shaded.rays = shader.rays_shadow;

@@ -251,7 +251,7 @@ struct Floor {
       std::vector<Ray> rays{{eye, 0.0f, glm::normalize(at - eye), 1e30f}};
       Hit hit{};
       uint32_t count = 0;
-      intersector.nearest_layers(LayerSet::all_translucent, rays, 1, true, &hit, &count);
+      intersector.nearest_layers(LayerSet::all_translucent, rays, {.coherent = true}, &hit, &count);
       if (count == 0) continue;
       points.push_back(surface_point(*shading, hit, rays[0], {0.0f, 0.001f}));
       points.back().key = random_key({7u, static_cast<uint32_t>(i)});
@@ -270,7 +270,7 @@ TEST(RayReuse, TheModelMakesTheSameOfItsOwnAnswers) {
     const Floor floor(material);
     ASSERT_GT(floor.points.size(), 50u);
     HitShader shader;
-    shader.begin(*floor.shading, floor.intersector, true, true);
+    shader.begin(*floor.shading, floor.intersector, {.tell_rough = true});
     const size_t count = floor.points.size();
     std::vector<glm::vec3> traced(count), reusing(count);
     shader.shade(floor.points, traced.data());

@@ -45,7 +45,7 @@ struct HalfWall {
     std::vector<SurfacePoint> points(keys, point(to_eye));
     for (uint32_t i = 0; i < keys; ++i) points[i].key = random_key({7, i});
     HitShader shader;
-    shader.begin(*shading, intersector, true);
+    shader.begin(*shading, intersector);
     std::vector<glm::vec3> result(keys);
     shader.shade(points, result.data());
     std::vector<float> red;
@@ -138,7 +138,7 @@ TEST(RoughReflection, leaves_mirrors_alone) {
 TEST(RoughReflection, has_no_noise_where_narrow_and_faint) {
   const auto tells_rough = [](const HalfWall& scene, glm::vec3 to_eye) {
     HitShader shader;
-    shader.begin(*scene.shading, scene.intersector, true, true);
+    shader.begin(*scene.shading, scene.intersector, {.tell_rough = true});
     const SurfacePoint point = scene.point(to_eye);
     glm::vec3 radiance;
     shader.shade({&point, 1}, &radiance);
@@ -177,7 +177,7 @@ TEST(RoughReflection, of_the_sky_alone_has_no_noise) {
   std::vector<SurfacePoint> points(64, surface_point(shading, hit, {{0, 0, 1}, 0.0f, {0, 0, -1}, 1e30f}, {}));
   for (uint32_t i = 0; i < points.size(); ++i) points[i].key = i;
   HitShader shader;
-  shader.begin(shading, intersector, true);
+  shader.begin(shading, intersector);
   std::vector<glm::vec3> radiance(points.size());
   shader.shade(points, radiance.data());
   EXPECT_THAT(radiance, testing::Each(radiance[0]));

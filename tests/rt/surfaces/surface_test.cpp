@@ -53,7 +53,7 @@ struct FacingQuad {
     Intersector intersector("");
     intersector.set_scene(shading.snapshot);
     HitShader shader;
-    shader.begin(shading, intersector, true);
+    shader.begin(shading, intersector);
     const SurfacePoint p = surface_point(shading, hit(true), ray_along(direction), {});
     glm::vec3 result(0.0f);
     shader.shade({&p, 1}, &result);
