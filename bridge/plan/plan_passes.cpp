@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "bridge/plan/plan_description.h"
 
@@ -97,8 +98,16 @@ std::string why_no_shadow_rays(const Facts& f) {
   return f.lights == 0 ? "the scene has no light" : "no light has intensity";
 }
 
+PlannedPass running(sideray_stage stage, std::string reason) {
+  return {stage, true, std::move(reason)};
+}
+
+PlannedPass skipped(sideray_stage stage, std::string reason) {
+  return {stage, false, std::move(reason)};
+}
+
 PlannedPass load_pass(const Facts&) {
-  return {SIDERAY_STAGE_LOAD, true, "the scene is read once"};
+  return running(SIDERAY_STAGE_LOAD, "the scene is read once");
 }
 
 PlannedPass build_pass(const Facts& f) {
@@ -109,7 +118,7 @@ PlannedPass build_pass(const Facts& f) {
 
 PlannedPass update_pass(const Facts& f) {
   const bool rays = f.plan.reference || f.plan.uses_rays();
-  if (!rays) return {SIDERAY_STAGE_UPDATE, false, "no ray is traced"};
+  if (!rays) return skipped(SIDERAY_STAGE_UPDATE, "no ray is traced");
   const bool runs = f.options.picture.continues;
   return {SIDERAY_STAGE_UPDATE, runs,
           runs ? "what moved since the picture before" : "no picture comes before this one"};
@@ -119,11 +128,11 @@ PlannedPass gbuffer_pass(const Facts& f) {
   std::string reason =
       f.plan.draws_by_rays() ? "a ray finds the opaque surface of each pixel" : "opaque surfaces are rasterized";
   if (f.plan.motion) reason += "; so is their motion, for what is averaged over time";
-  return {SIDERAY_STAGE_GBUFFER, true, reason};
+  return running(SIDERAY_STAGE_GBUFFER, reason);
 }
 
 PlannedPass shadow_map_pass(const Facts& f) {
-  if (f.plan.draws_by_rays()) return {SIDERAY_STAGE_SHADOW_MAP, false, "without OpenGL rays take their place"};
+  if (f.plan.draws_by_rays()) return skipped(SIDERAY_STAGE_SHADOW_MAP, "without OpenGL rays take their place");
   const char* reason = "opaque pixels take them";
   if (f.plan.shadow_maps && f.options.traces_shadows())
     reason = f.options.is_bounded() ? "opaque pixels that have no masks yet take them" : "raster translucent surfaces take them";
@@ -141,18 +150,18 @@ PlannedPass mask_pass(const Facts& f) {
                                                            : "marks the pixels of traced surfaces");
   if (f.plan.layers.whole_pixels) runs.push_back("marks the pixels of others");
   if (f.plan.marks_inexact) runs.push_back("marks what takes the inexact shadow test");
-  if (!runs.empty()) return {SIDERAY_STAGE_MASK, true, joined(runs)};
-  if (!f.plan.traces) return {SIDERAY_STAGE_MASK, false, why_not_traced(f)};
-  return {SIDERAY_STAGE_MASK, false, is_exact(f) ? "the reference traces every pixel" : "every pixel is traced"};
+  if (!runs.empty()) return running(SIDERAY_STAGE_MASK, joined(runs));
+  if (!f.plan.traces) return skipped(SIDERAY_STAGE_MASK, why_not_traced(f));
+  return skipped(SIDERAY_STAGE_MASK, is_exact(f) ? "the reference traces every pixel" : "every pixel is traced");
 }
 
 PlannedPass readback_pass(const Facts& f) {
-  if (f.plan.draws_by_rays()) return {SIDERAY_STAGE_READBACK, false, "everything is in memory"};
-  if (!f.plan.uses_rays()) return {SIDERAY_STAGE_READBACK, false, "no ray is traced"};
+  if (f.plan.draws_by_rays()) return skipped(SIDERAY_STAGE_READBACK, "everything is in memory");
+  if (!f.plan.uses_rays()) return skipped(SIDERAY_STAGE_READBACK, "no ray is traced");
   std::string reason = "rays start at the depth that was drawn";
   if (f.plan.fills_rest) reason += ", shadow rays of plants where rays hit them";
   if (f.plan.reflects) reason += ", mirrored ones along its normals";
-  return {SIDERAY_STAGE_READBACK, true, reason};
+  return running(SIDERAY_STAGE_READBACK, reason);
 }
 
 PlannedPass trace_pass(const Facts& f) {
@@ -182,31 +191,31 @@ PlannedPass trace_shadow_pass(const Facts& f) {
 
 PlannedPass trace_ao_pass(const Facts& f) {
   if (f.plan.masks.ao_rays != 0)
-    return {SIDERAY_STAGE_TRACE_AO, true, fmt::format("{} an opaque pixel", number_of(f.plan.masks.ao_rays, "ray"))};
-  return {SIDERAY_STAGE_TRACE_AO, false, f.plan.why_no_ao ? f.plan.why_no_ao : "ambient occlusion is off"};
+    return running(SIDERAY_STAGE_TRACE_AO, fmt::format("{} an opaque pixel", number_of(f.plan.masks.ao_rays, "ray")));
+  return skipped(SIDERAY_STAGE_TRACE_AO, f.plan.why_no_ao ? f.plan.why_no_ao : "ambient occlusion is off");
 }
 
 PlannedPass denoise_pass(const Facts& f) {
   const bool layers = f.plan.traces && f.plan.layers.mode == SIDERAY_CACHE;
   const bool noisy = layers || f.plan.lights_by_rays();
   const bool runs = noisy && f.plan.masks.denoise;
-  if (!noisy) return {SIDERAY_STAGE_DENOISE, false, "nothing that is filtered is traced"};
-  if (!runs) return {SIDERAY_STAGE_DENOISE, false, "denoising is off"};
+  if (!noisy) return skipped(SIDERAY_STAGE_DENOISE, "nothing that is filtered is traced");
+  if (!runs) return skipped(SIDERAY_STAGE_DENOISE, "denoising is off");
   std::vector<std::string> what;
   if (f.plan.masks_occlusion()) what.push_back("masks of lights with a size, of the sky, and of random tests");
   if (f.plan.bounces) what.push_back("light that bounces");
   if (layers || f.plan.reflects) what.push_back("what rough surfaces reflect");
-  return {SIDERAY_STAGE_DENOISE, true, joined(what)};
+  return running(SIDERAY_STAGE_DENOISE, joined(what));
 }
 
 PlannedPass upload_pass(const Facts& f) {
-  if (f.plan.draws_by_rays()) return {SIDERAY_STAGE_UPLOAD, false, "everything is in memory"};
+  if (f.plan.draws_by_rays()) return skipped(SIDERAY_STAGE_UPLOAD, "everything is in memory");
   const bool runs = f.plan.uses_rays();
   return {SIDERAY_STAGE_UPLOAD, runs, runs ? "what was traced goes back to the rasterizer" : "no ray is traced"};
 }
 
 PlannedPass light_pass(const Facts&) {
-  return {SIDERAY_STAGE_LIGHT, true, "opaque pixels are lit"};
+  return running(SIDERAY_STAGE_LIGHT, "opaque pixels are lit");
 }
 
 PlannedPass composite_pass(const Facts& f) {
@@ -224,20 +233,20 @@ PlannedPass composite_pass(const Facts& f) {
   if (f.plan.averages) runs.push_back("the picture is averaged with those before");
   if (f.plan.drops_particles) runs.push_back("particles are left out: rays do not hit them");
   const bool has_work = f.plan.rasters_translucency || f.plan.traces || f.plan.distorts || f.plan.averages;
-  if (runs.empty()) return {SIDERAY_STAGE_COMPOSITE, false, why_not_traced(f)};
+  if (runs.empty()) return skipped(SIDERAY_STAGE_COMPOSITE, why_not_traced(f));
   return {SIDERAY_STAGE_COMPOSITE, has_work, joined(runs)};
 }
 
 // Returns the passes of a reference, in which the rasterizer has no part.
 std::vector<PlannedPass> reference_passes(const FramePlan& plan) {
-  const PlannedPass none{SIDERAY_STAGE_LOAD, false, "the reference is drawn by rays alone"};
+  const PlannedPass none = skipped(SIDERAY_STAGE_LOAD, "the reference is drawn by rays alone");
   std::vector<PlannedPass> passes(SIDERAY_STAGE_TOTAL_FRAME, none);
   for (size_t stage = 0; stage < passes.size(); ++stage) passes[stage].stage = static_cast<sideray_stage>(stage);
-  passes[SIDERAY_STAGE_LOAD] = {SIDERAY_STAGE_LOAD, true, "the scene is read once"};
-  passes[SIDERAY_STAGE_BUILD] = {SIDERAY_STAGE_BUILD, true, "rays need what they hit, every instance as it is drawn"};
-  passes[SIDERAY_STAGE_TRACE] = {SIDERAY_STAGE_TRACE, true,
-                                 "everything, exact and unlimited: " + bounces_text(plan.layers.bounces) +
-                                     (plan.caustics ? ", with caustics" : "")};
+  passes[SIDERAY_STAGE_LOAD] = running(SIDERAY_STAGE_LOAD, "the scene is read once");
+  passes[SIDERAY_STAGE_BUILD] = running(SIDERAY_STAGE_BUILD, "rays need what they hit, every instance as it is drawn");
+  passes[SIDERAY_STAGE_TRACE] =
+      running(SIDERAY_STAGE_TRACE, "everything, exact and unlimited: " + bounces_text(plan.layers.bounces) +
+                                       (plan.caustics ? ", with caustics" : ""));
   return passes;
 }
 

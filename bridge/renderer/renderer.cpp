@@ -108,9 +108,7 @@ Renderer::~Renderer() {
 
 std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_camera& camera,
                                           const RenderOptions& options) {
-  check_camera(camera);
-  check_options(options);
-  if (backend_->drawing() == Drawing::rays) check_rays_alone(options);
+  check({&camera, 1}, options);
   cancelled_ = false;
   const BackendCall call(*backend_);
   set_scene(scene);
@@ -123,6 +121,12 @@ std::unique_ptr<Picture> Renderer::render(sideray_scene* scene, const sideray_ca
     return picture;
   }
   return draw_next(plan, camera, options);
+}
+
+void Renderer::check(std::span<const sideray_camera> cameras, const RenderOptions& options) const {
+  for (const sideray_camera& camera : cameras) check_camera(camera);
+  check_options(options);
+  if (backend_->drawing() == Drawing::rays) check_rays_alone(options);
 }
 
 std::unique_ptr<Picture> Renderer::draw_next(const FramePlan& plan, const sideray_camera& camera,
@@ -139,12 +143,10 @@ std::unique_ptr<Picture> Renderer::draw_next(const FramePlan& plan, const sidera
 
 std::vector<std::unique_ptr<Picture>> Renderer::render_many(sideray_scene* scene, std::span<const sideray_camera> cameras,
                                                             const RenderOptions& options) {
-  for (const sideray_camera& camera : cameras) check_camera(camera);
-  check_options(options);
+  check(cameras, options);
   if (options.picture.continues || options.is_bounded() || options.picture.repeats > 0)
     fail(SIDERAY_INVALID_ARGUMENT, "several pictures: each is one of its own, drawn once and whole; leave `continues`, `repeats` "
                                    "and budgets out");
-  if (backend_->drawing() == Drawing::rays) check_rays_alone(options);
   cancelled_ = false;
   const BackendCall call(*backend_);
   set_scene(scene);

@@ -61,6 +61,7 @@ class Renderer {
   static bool is_held_elsewhere(const DrawnScene& drawn);
   std::vector<DrawnScene>::iterator forget(std::vector<DrawnScene>::iterator other);
   void prepare_rays(const FramePlan& plan, const sideray_camera& camera, StageTimes& stages);
+  void check(std::span<const sideray_camera> cameras, const RenderOptions& options) const;
   std::unique_ptr<Picture> draw_next(const FramePlan& plan, const sideray_camera& camera, const RenderOptions& options);
   bool draws_beside(const FramePlan& plan, size_t pictures) const;
   void draw_beside(const FramePlan& plan, std::span<const sideray_camera> cameras, const RenderOptions& options,

@@ -207,7 +207,8 @@ void RasterState::draw_light(bool shadows, const OcclusionTextures& masks) {
   begin_pass({});
   targets.bind_resolve();
   const bool tint_maps = lights->has_tint_maps(shadows);
-  const Program& program = programs.light(scene->opaque_lobes(), {.masks = masks.shadow != 0 || masks.open != 0 || masks.mirrored != 0 || masks.bounced != 0,
+  const bool occluded = masks.shadow != 0 || masks.open != 0 || masks.mirrored != 0 || masks.bounced != 0;
+  const Program& program = programs.light(scene->opaque_lobes(), {.masks = occluded,
                                                                  .answers = masks.answers != 0,
                                                                  .tints = masks.tint != 0,
                                                                  .tint_maps = tint_maps});
@@ -215,6 +216,14 @@ void RasterState::draw_light(bool shadows, const OcclusionTextures& masks) {
   lights->bind(program, scene->textures(), shadows);
   if (tint_maps) lights->bind_tint_maps(program, scene->textures());
   set_view_uniforms(program);
+  set_ray_uniforms(program);
+  bind_gbuffer();
+  bind_masks(program, masks);
+  draw_screen();
+}
+
+// Sets how a fragment finds the point that it lights from its depth.
+void RasterState::set_ray_uniforms(const Program& program) const {
   const ViewRays rays = make_view_rays(view);
   program.set("ray_origin", rays.origin);
   program.set("ray_origin_x", rays.origin_x);
@@ -226,6 +235,9 @@ void RasterState::draw_light(bool shadows, const OcclusionTextures& masks) {
   program.set("depth_of_nothing", view.reversed_depth ? 0.0f : 1.0f);
   program.set("pixel_size",
               glm::vec2(2.0f / static_cast<float>(targets.width()), 2.0f / static_cast<float>(targets.height())));
+}
+
+void RasterState::bind_gbuffer() const {
   for (uint32_t i = 0; i < RasterTargets::floating_targets; ++i)
     scene->textures().bind_plain(unit::material + i, GL_TEXTURE_2D, targets.gbuffer_texture(i));
   for (uint32_t i = 0; i < lobe::count; ++i)
@@ -234,6 +246,9 @@ void RasterState::draw_light(bool shadows, const OcclusionTextures& masks) {
   if (scene->opaque_lobes() & lobe::anisotropy)
     scene->textures().bind_plain(unit::material + 8, GL_TEXTURE_2D,
                                 targets.gbuffer_texture(RasterTargets::floating_targets));
+}
+
+void RasterState::bind_masks(const Program& program, const OcclusionTextures& masks) const {
   scene->textures().bind_plain(unit::layer_cache, GL_TEXTURE_2D_ARRAY, masks.shadow);
   scene->textures().bind_plain(unit::layer_cache + 1, GL_TEXTURE_2D, masks.open);
   scene->textures().bind_plain(unit::layer_cache + 2, GL_TEXTURE_2D, masks.mirrored);
@@ -249,7 +264,6 @@ void RasterState::draw_light(bool shadows, const OcclusionTextures& masks) {
   if (masks.answers != 0) scene->textures().bind_plain(unit::material + 10, GL_TEXTURE_2D, masks.answers);
   program.set("open_mask_on", static_cast<int>(masks.open != 0));
   program.set("unhidden_mask_layer", masks.unhidden_layer);
-  draw_screen();
 }
 
 // Draws the whole pixels and marks them in the stencil. The frame must be bound.

@@ -59,6 +59,9 @@ struct RasterState {
   void mark_others(TracedSet set, bool with_sprites);
   void draw_sprite_outlines();
   void draw_light(bool shadows, const OcclusionTextures& masks);
+  void set_ray_uniforms(const Program& program) const;
+  void bind_gbuffer() const;
+  void bind_masks(const Program& program, const OcclusionTextures& masks) const;
   void draw_inexact_marks(const InexactMarks& marks);
   void draw_temporal(const FrameBefore& before);
   void draw_motion(const FrameBefore& before);
