@@ -5,7 +5,7 @@
 #include <cxxabi.h>
 #include <unistd.h>
 
-#include <array>
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -15,8 +15,11 @@
 #include <string>
 #include <system_error>
 #include <typeinfo>
+#include <utility>
+#include <vector>
 
 #include "cli/base/failure.h"
+#include "cli/base/near_name.h"
 #include "cli/commands.h"
 #include "cli/options/options.h"
 
@@ -50,6 +53,54 @@ void refuse_removed(const CLI::App& program, int argc, char** argv) {
   }
 }
 
+// Returns the last command on the command line, such as `record` in `sideray golden record`, and its whole name.
+std::pair<const CLI::App*, std::string> chosen_command(const CLI::App& program) {
+  const CLI::App* command = &program;
+  std::string name = program.get_name();
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    name += " " + command->get_name();
+  }
+  return {command, name};
+}
+
+// Includes rare options, but not those without effect, which have no description.
+std::vector<std::string> options_of(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    if (!option->get_description().empty())
+      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+std::vector<std::string> commands_of(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::App* each : command.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(each->get_name());
+  return names;
+}
+
+[[noreturn]] void refuse_as(const char* what, const std::string& word, const std::vector<std::string>& known,
+                            const std::string& command) {
+  wrong_usage("{}: {}; {}see {} --help", word, what, did_you_mean(near_name(word, known)), command);
+}
+
+// Names an argument that the command does not know, and what it probably means. Throws UsageError.
+void refuse_unknown(const CLI::App& program) {
+  const auto [command, name] = chosen_command(program);
+  std::vector<std::string> unknown = command->remaining();
+  std::erase(unknown, "--");
+  if (unknown.empty()) return;
+  const std::vector<std::string> commands = commands_of(*command);
+  const auto is_option = [](const std::string& word) { return word.starts_with("-"); };
+  if (!commands.empty() && !is_option(unknown.front()))
+    refuse_as("no such command", unknown.front(), commands, name);
+  // The value of an unknown option is unknown too, and may stand before the option.
+  const auto option = std::find_if(unknown.begin(), unknown.end(), is_option);
+  if (option == unknown.end()) refuse_as("one argument too many", unknown.front(), {}, name);
+  refuse_as("no such option", option->substr(0, option->find('=')), options_of(*command), name);
+}
+
 int run(int argc, char** argv) {
   CLI::App program("Sideray: ray-traced translucency beside an OpenGL rasterizer", "sideray");
   program.set_version_flag("--version", version_line());
@@ -60,6 +111,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return program.exit(error);
     refuse_removed(program, argc, argv);
+    refuse_unknown(program);
     wrong_usage("command line: {}; see sideray --help or sideray COMMAND --help", error.what());
   }
   for (const Command& command : commands)

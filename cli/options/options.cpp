@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "cli/base/failure.h"
+#include "cli/base/near_name.h"
 
 namespace sideray::cli {
 namespace {
@@ -37,7 +38,10 @@ const sideray_option& row_of(const Table& table, const std::string& name) {
   if (const sideray_option* option = find(table, name)) return *option;
   const std::string instead = instead_of(name);
   if (!instead.empty()) wrong_usage("{}: is gone since 0.3; {}", dashed(name), instead);
-  wrong_usage("{}: no such option; see sideray render --help", dashed(name));
+  std::vector<std::string> names;
+  for (const sideray_option* row : table) names.push_back(row->name);
+  const std::string near = near_name(name, names);
+  wrong_usage("{}: no such option; {}see sideray render --help", dashed(name), did_you_mean(near.empty() ? "" : dashed(near)));
 }
 
 bool is_diagnostic(const std::string& name) {

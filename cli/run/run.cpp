@@ -58,7 +58,7 @@ int run_program(const RunArguments& arguments) {
   for (const std::string& word : arguments.words) words.push_back(const_cast<char*>(word.c_str()));
   words.push_back(nullptr);
   ::execvp(words[0], words.data());
-  wrong_usage("run: {} cannot be run: {}", words[0], std::strerror(errno));
+  wrong_usage("run: {} cannot be run: {}; check its name and its rights", words[0], std::strerror(errno));
 }
 
 }  // namespace sideray::cli

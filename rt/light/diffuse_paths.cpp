@@ -140,10 +140,13 @@ void DiffusePaths::show_sky() {
   environment_.specular(ways_, blur_of_open_sky, sky_.data());
   for (size_t i = 0; i < points_.size(); ++i) {
     AroundBlock& a = around[i / block_size];
-    set_vector(a.irradiance, i % block_size, open_[i] ? sky_[i] : glm::vec3(0.0f));
+    const size_t lane = i % block_size;
+    const glm::vec3 none(0.0f);
+    set_vector(a.irradiance, lane, open_[i] ? sky_[i] : none);
     if (open_[i]) continue;
-    for (BlockRow* rows : {a.behind, a.specular, a.coat})
-      set_vector(*reinterpret_cast<BlockRow(*)[3]>(rows), i % block_size, glm::vec3(0.0f));
+    set_vector(a.behind, lane, none);
+    set_vector(a.specular, lane, none);
+    set_vector(a.coat, lane, none);
   }
 }
 

@@ -129,6 +129,20 @@ TEST_F(Usage, WrongUsageIsExitCodeTwo) {
   expect_refused("make panes -o x.glb --set count=many", usage, "many");
 }
 
+TEST_F(Usage, MistypedNamesAreAnsweredWithTheNearest) {
+  expect_refused("render panes -o x.png --shadow exact", usage,
+                 "sideray: --shadow: no such option; did you mean --shadows? see sideray render --help");
+  expect_refused("render panes --colour=red -o x.png", usage,
+                 "sideray: --colour: no such option; see sideray render --help");
+  expect_refused("rendr panes -o x.png", usage, "sideray: rendr: no such command; did you mean render? see sideray --help");
+  expect_refused("golden recrod d", usage,
+                 "sideray: recrod: no such command; did you mean record? see sideray golden --help");
+  expect_refused("render panes solids -o x.png", usage,
+                 "sideray: solids: one argument too many; see sideray render --help");
+  expect_refused("render panes -o x.png --thread 2", usage, "did you mean --threads?");
+  expect_refused("render panes -o x.png --shading-reus 1", usage, "no such option; see");  // --shading-reuse has no effect
+}
+
 TEST_F(Usage, ValuesAreChecked) {
   for (const char* size :
        {"0x5", "5x0", "-5x5", "16385x1", "99999999999999999999x5", "16384x16384", "12", "axb", "5x", "5x5x5", "5.5x5"})
@@ -301,6 +315,8 @@ TEST_F(Usage, JobsFilesAreChecked) {
   expect_refused("render --jobs jobs.json", failed, "jobs.json job 0");
   std::ofstream(path("jobs.json")) << "[]";
   expect_refused("render --jobs jobs.json", usage, "jobs.json: holds no job");
+  std::ofstream(path("jobs.json")) << R"([{"scene": "panes", "o": "a.png", "shadow": "exact"}])";
+  expect_refused("render --jobs jobs.json", usage, "job 0: --shadow: no such option; did you mean --shadows?");
 }
 
 TEST_F(Usage, AFullStandardOutputFails) {

@@ -4,6 +4,7 @@
 #include <sideray/diagnostics.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <string>
 #include <thread>
@@ -212,6 +213,86 @@ TEST(FrameBudgets, ThatAreSpentLeaveATurnSomeTime) {
   EXPECT_EQ(first.work().least, std::chrono::milliseconds(2));
   EXPECT_FALSE(second.traces);
   EXPECT_TRUE(rt::is_over(second.work()));
+}
+
+constexpr std::array<bool, bridge::job_count> no_others{};
+constexpr auto long_time = std::chrono::seconds(100);
+
+// Returns how long before the frame's end the job's rays stop.
+double ms_kept(FrameBudget& budget, uint32_t view, size_t job,
+               const std::array<bool, bridge::job_count>& later = no_others) {
+  const FrameBudget::Time end = FrameBudget::Clock::now() + long_time;
+  return ms(end - budget.start(view, job, later, end).stop);
+}
+
+TEST(FrameBudgets, EndBeforeAnotherViewBeginsLater) {
+  FrameBudget budget;
+  const FrameBudget::Time end = budget.begin(0, 1.0);
+  std::this_thread::sleep_until(end);
+  EXPECT_GT(budget.begin(1, 1000.0), end + std::chrono::milliseconds(500));
+}
+
+// Only the last job's upload follows the rays; a longer one counts at once, a shorter one by and by.
+TEST(FrameBudgets, KeepTimeForTheLastUpload) {
+  FrameBudget budget;
+  budget.uploaded(0, 0, 30.0);
+  EXPECT_NEAR(ms_kept(budget, 0, 0), 30.0, 1e-3);
+  budget.uploaded(0, 0, 10.0);
+  EXPECT_NEAR(ms_kept(budget, 0, 0), 25.0, 1e-3);
+  budget.uploaded(0, 0, 60.0);
+  EXPECT_NEAR(ms_kept(budget, 0, 0), 60.0, 1e-3);
+  budget.uploaded(0, 1, 2000.0);
+  // The second job needs as many rays: the first stops at half of what the second's upload leaves.
+  const double half = 0.5 * std::chrono::duration<double, std::milli>(long_time).count();
+  EXPECT_NEAR(ms_kept(budget, 0, 0, {false, true}), half + 1000.0, 20.0);
+}
+
+// Jobs of other views that are expected get their share, until they are dropped or have begun.
+TEST(FrameBudgets, AreSharedWithWhatIsExpected) {
+  const auto kept_beside = [](const std::function<void(FrameBudget&)>& other) {
+    FrameBudget budget;
+    budget.expect(1, 0);
+    other(budget);
+    return ms_kept(budget, 0, 0);
+  };
+  const double half = 0.5 * std::chrono::duration<double, std::milli>(long_time).count();
+  EXPECT_NEAR(kept_beside([](FrameBudget&) {}), half, 20.0);
+  EXPECT_LT(kept_beside([](FrameBudget& budget) { budget.drop(1, 0); }), 20.0);
+  EXPECT_LT(kept_beside([](FrameBudget& budget) { ms_kept(budget, 1, 0); }), 20.0);
+}
+
+// Filters of jobs that follow take place after the rays too, and a job of few rays keeps an eighth of the time.
+TEST(FrameBudgets, KeepTimeForFiltersAndAnEighthForEachJob) {
+  FrameBudget budget;
+  rt::Counters done;
+  done.pixels_total = 100;
+  done.denoise_ms = 1000.0;
+  for (int frame = 0; frame < 2; ++frame) {
+    FrameBudget::Turn turn = budget.start(0, 1, no_others, FrameBudget::Clock::now() + long_time);
+    turn.begun -= std::chrono::seconds(50);  // as long as all its rays took
+    budget.finish(0, 1, turn, done);
+  }
+  const double all = std::chrono::duration<double, std::milli>(long_time).count() - 1000.0;
+  EXPECT_NEAR(ms_kept(budget, 0, 0, {false, true}), 1000.0 + all * 7 / 8, 20.0);
+}
+
+// A job that waits less than another is only shown beside it, for which time is kept instead of that for its filters.
+TEST(FrameBudgets, KeepTimeForJobsThatAreOnlyShown) {
+  FrameBudget budget;
+  const FrameBudget::Time over = FrameBudget::Clock::now() - std::chrono::milliseconds(1);
+  rt::Counters untraced;
+  untraced.pixels_total = untraced.pixels_late = 100;
+  ASSERT_TRUE(budget.start(0, 0, no_others, over).traces);
+  for (int frame = 0; frame < 2; ++frame) {
+    FrameBudget::Turn shown = budget.start(0, 1, no_others, over);
+    ASSERT_FALSE(shown.traces);
+    shown.begun -= std::chrono::seconds(2);
+    budget.finish(0, 1, shown, untraced);
+  }
+  ASSERT_TRUE(budget.start(0, 1, no_others, FrameBudget::Clock::now() + long_time).traces);
+  for (int frame = 0; frame < 3; ++frame) budget.start(0, 0, no_others, over);
+  const double half = 0.5 * std::chrono::duration<double, std::milli>(long_time).count();
+  EXPECT_NEAR(ms_kept(budget, 0, 0, {false, true}), half + 1000.0, 20.0);
 }
 
 TEST(FrameBudgets, ThatAreSpentSaySo) {

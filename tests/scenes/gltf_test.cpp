@@ -419,6 +419,55 @@ TEST(Gltf, LinksOutOfTheFolderAreRefused) {
   EXPECT_THAT(message_of([&] { load(path); }), HasSubstr("link out of"));
 }
 
+// The folder before ".." is a link, so that the name leads elsewhere although without "sub/.." it would not.
+TEST(Gltf, LinksToFoldersLeadOutByTheirParents) {
+  const ScratchFolder folder, elsewhere;
+  std::filesystem::create_directory(elsewhere / "deep");
+  std::filesystem::create_symlink(elsewhere / "deep", folder / "sub");
+  for (const ScratchFolder* each : {&folder, &elsewhere}) put_bytes(*each / "a.bin", std::vector<uint8_t>(36));
+  SmallGltf g;
+  g.json["buffers"] = {{{"byteLength", 36}, {"uri", "sub/../a.bin"}}};
+  const std::string path = g.write(folder);
+  EXPECT_THAT(message_of([&] { load(path); }), HasSubstr("link out of"));
+}
+
+// tinygltf takes "%/1" for the character 1: it would leave the scene's folder where the checks see four folders deep.
+TEST(Gltf, EscapesLeadNowhereElseThanTheChecks) {
+  const ScratchFolder folder;
+  std::filesystem::create_directories(folder / "scene/\x01\x01");
+  std::filesystem::create_directories(folder / "scene/%");
+  for (const char* name : {"secret.bin", "scene/%/secret.bin"}) put_bytes(folder / name, std::vector<uint8_t>(36));
+  SmallGltf g;
+  g.json["buffers"] = {{{"byteLength", 36}, {"uri", "%/1%/1/../../secret.bin"}}};
+  std::ofstream(folder / "scene/a.gltf") << g.json;
+  EXPECT_THAT(message_of([&] { load(folder / "scene/a.gltf"); }), HasSubstr("does not exist"));
+}
+
+TEST(Gltf, NamesWithPlusAndPercentAreRead) {
+  for (const char* uri : {"a+b %.bin", "a+b %25.bin", "a%2bb%20%.bin"}) {
+    const ScratchFolder folder;
+    put_bytes(folder / "a+b %.bin", std::vector<uint8_t>(36));
+    SmallGltf g;
+    g.json["buffers"] = {{{"byteLength", 36}, {"uri", uri}}};
+    const std::string path = g.write(folder);
+    EXPECT_EQ(message_of([&] { load(path); }), "") << uri;
+  }
+}
+
+// Reading the file would exceed the limits.
+TEST(Gltf, DataThatIsAFilesNameIsNotOpened) {
+  const ScratchFolder folder;
+  std::filesystem::create_directories(folder / "scene/data:");
+  std::ofstream(folder / "large.png");
+  std::filesystem::resize_file(folder / "large.png", 3000000000u);
+  SmallGltf g;
+  g.json["images"] = {{{"uri", "data:/../../large.png"}}};
+  g.json["buffers"] = {{{"byteLength", g.binary.size()}, {"uri", "data.bin"}}};
+  put_bytes(folder / "scene/data.bin", g.binary);
+  std::ofstream(folder / "scene/a.gltf") << g.json;
+  EXPECT_EQ(message_of([&] { load(folder / "scene/a.gltf"); }), "");
+}
+
 TEST(Gltf, WhatIsNoJsonIsOneLineWithOneRemedy) {
   const ScratchFolder folder;
   for (const char* text :

@@ -8,6 +8,7 @@
 #include "scenes/base/limits.h"
 #include "scenes/gltf/file/container.h"
 #include "scenes/gltf/file/json.h"
+#include "scenes/gltf/file/uris.h"
 
 namespace sideray::scenes::gltf {
 namespace {
@@ -17,6 +18,7 @@ namespace fs = std::filesystem;
 // Counts the bytes that tinygltf's callbacks hand out, because a few characters can name the same file or bytes many
 // times.
 struct Source {
+  const std::string& folder;
   Budget& budget;
   uint64_t hash = empty_hash;  // of the files that were read
   std::optional<Error> error;  // kept here, because no exception may pass through tinygltf
@@ -42,9 +44,10 @@ bool keep_encoded(tinygltf::Image* image, int, std::string*, std::string*, int, 
   return true;
 }
 
-bool file_exists(const std::string& path, void*) {
+// Hides files outside the scene's folder: tinygltf also searches the working directory.
+bool file_exists(const std::string& path, void* source) {
   std::error_code error;
-  return fs::is_regular_file(path, error);
+  return fs::is_regular_file(path, error) && is_below(static_cast<Source*>(source)->folder, path);
 }
 
 std::string same_path(const std::string& path, void*) {
@@ -95,7 +98,7 @@ Callbacks file_callbacks(Source& source) {
 
 void parse(std::span<const uint8_t> bytes, const std::string& folder, File& file) {
   tinygltf::TinyGLTF loader;
-  Source source{.budget = file.budget, .hash = file.hash, .error = {}};
+  Source source{.folder = folder, .budget = file.budget, .hash = file.hash, .error = {}};
   loader.SetImageLoader(keep_encoded, &source);
   loader.SetFsCallbacks(file_callbacks<tinygltf::FsCallbacks>(source));
   std::string message, warning;

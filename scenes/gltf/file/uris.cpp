@@ -1,7 +1,6 @@
 #include "scenes/gltf/file/uris.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
@@ -14,27 +13,41 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
+// Returns -1 for what is no hexadecimal digit.
+int digit_of(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
 std::string percent_decoded(const std::string& uri) {
   std::string text;
   for (size_t i = 0; i < uri.size(); ++i) {
-    unsigned int code = 0;
-    if (uri[i] == '%' && i + 2 < uri.size() && std::sscanf(uri.c_str() + i + 1, "%2x", &code) == 1) {
-      text += static_cast<char>(code);
-      i += 2;
-    } else {
-      text += uri[i];
-    }
+    const bool is_escape = uri[i] == '%' && i + 2 < uri.size() && digit_of(uri[i + 1]) >= 0 && digit_of(uri[i + 2]) >= 0;
+    text += is_escape ? static_cast<char>(digit_of(uri[i + 1]) * 16 + digit_of(uri[i + 2])) : uri[i];
+    if (is_escape) i += 2;
   }
   return text;
+}
+
+// Escapes what a parser may read in another way, and bytes that are not ASCII.
+std::string percent_encoded(const std::string& name) {
+  std::string uri;
+  for (const char c : name) {
+    const bool is_plain = c > 0x1f && c < 0x7f && c != '%' && c != '+' && c != ':';
+    uri += is_plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return uri;
 }
 
 void check_name(const std::string& uri, const fs::path& folder, const std::string& path, const std::string& user) {
   if (uri.starts_with("data:")) return;
   const std::string name = percent_decoded(uri);
-  const fs::path relative = fs::path(name).lexically_normal();
+  const fs::path relative = fs::path(name), normal = relative.lexically_normal();
   const bool has_zero = name.find('\0') != std::string::npos;
-  if (name.empty() || has_zero || relative.is_absolute() || relative.begin() == relative.end() ||
-      *relative.begin() == ".." || name.find("://") != std::string::npos) {
+  if (name.empty() || has_zero || normal.is_absolute() || normal.begin() == normal.end() ||
+      *normal.begin() == ".." || name.find("://") != std::string::npos) {
     refuse("cannot read {}: {} names \"{}\", which is not in the scene's folder; copy the file beside the scene", path,
            user, uri);
   }
@@ -48,9 +61,7 @@ void check_name(const std::string& uri, const fs::path& folder, const std::strin
     refuse("cannot read {}: {} names {}, which is not a regular file; correct the name", path, user,
            (folder / relative).string());
   }
-  const fs::path real = fs::canonical(folder / relative, error), real_folder = fs::canonical(folder, error);
-  if (error ||
-      std::mismatch(real_folder.begin(), real_folder.end(), real.begin(), real.end()).first != real_folder.end()) {
+  if (!is_below(folder, folder / relative)) {
     refuse("cannot read {}: {} names \"{}\", a link out of the scene's folder; copy the file there", path, user, uri);
   }
 }
@@ -78,6 +89,17 @@ void mend_media_type(Json& buffer) {
   if (data != std::string::npos) *uri = "data:application/octet-stream" + text.substr(data);
 }
 
+// Writes a file's name so that tinygltf, which reads + as a space and % before any characters as an escape, opens the
+// file that was checked.
+bool unify_escapes(Json& object) {
+  const auto uri = object.find("uri");
+  if (uri == object.end() || !uri->is_string()) return false;
+  const std::string text = uri->get<std::string>();
+  if (text.starts_with("data:") || text.find_first_of("%+") == std::string::npos) return false;
+  *uri = percent_encoded(percent_decoded(text));
+  return true;
+}
+
 }  // namespace
 
 bool mend_uris(Json& root, const fs::path& folder, File& file) {
@@ -89,7 +111,9 @@ bool mend_uris(Json& root, const fs::path& folder, File& file) {
       const Json before = object.value("uri", Json());
       mend_backslashes(object, folder);
       if (key == std::string("buffers")) mend_media_type(object);
-      if (!object.contains("uri") || object["uri"] == before) continue;
+      const bool is_mended = object.contains("uri") && object["uri"] != before;
+      changed |= unify_escapes(object);
+      if (!is_mended) continue;
       changed = true;
       const bool is_data = object["uri"].get<std::string>().starts_with("data:");
       file.warnings.push_back(fmt::format("{} {}: {}", name, i,
@@ -98,6 +122,13 @@ bool mend_uris(Json& root, const fs::path& folder, File& file) {
     }
   }
   return changed;
+}
+
+bool is_below(const fs::path& folder, const fs::path& file) {
+  std::error_code no_file, no_folder;
+  const fs::path real = fs::canonical(file, no_file), real_folder = fs::canonical(folder, no_folder);
+  return !no_file && !no_folder &&
+         std::mismatch(real_folder.begin(), real_folder.end(), real.begin(), real.end()).first == real_folder.end();
 }
 
 void check_uri(const Json& object, const fs::path& folder, const std::string& path, const std::string& user) {

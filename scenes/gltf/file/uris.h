@@ -9,8 +9,12 @@
 
 namespace sideray::scenes::gltf {
 
-// Rewrites URIs of buffers and images that tinygltf would not find, with a warning. Returns whether there were any.
+// Rewrites URIs of buffers and images that tinygltf would not find, with a warning, and those that it would decode to
+// another name than check_uri(), without. Returns whether there were any.
 bool mend_uris(nlohmann::json& root, const std::filesystem::path& folder, File& file);
+
+// Returns whether the file exists, and stands in the folder or below when links are followed.
+bool is_below(const std::filesystem::path& folder, const std::filesystem::path& file);
 
 // Throws Error, which names `path` and `user`, if the object's URI is neither data nor a file in the scene's folder: an
 // untrusted scene must not read arbitrary files.

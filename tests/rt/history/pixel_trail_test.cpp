@@ -133,6 +133,79 @@ TEST_P(Trail, stays_where_nothing_moves) {
   for (uint32_t i = 0; i < frame_tile_size; ++i) EXPECT_EQ(row[i], 7 * width + 32 + i);
 }
 
+// Pixels without a surface, and those that show another one, were nowhere.
+TEST_P(Trail, stays_only_with_its_surface) {
+  Executor executor(1);
+  PixelTrail trail;
+  View view(from({0, 1.5, 0}, GetParam()));
+  view.depth.set(33, 7, 0.0f, 0);
+  trail.begin(view.view, view.depth.image(), {width, height}, {}, false, executor);
+  view.depth.set(34, 7, 0.9f, 0);
+  trail.begin(view.view, view.depth.image(), {width, height}, {}, true, executor);
+  ASSERT_TRUE(trail.same_view());
+  EXPECT_NE(*trail.from(32, 7), PixelTrail::nowhere);
+  EXPECT_EQ(*trail.from(33, 7), PixelTrail::nowhere) << "empty in both frames";
+  EXPECT_EQ(*trail.from(34, 7), PixelTrail::nowhere) << "something came before it";
+}
+
+// A pixel at an edge finds its surface in any of the four pixels around its place.
+TEST_P(Trail, finds_an_edge_beside_the_nearest_pixel) {
+  Executor executor(2);
+  PixelTrail trail;
+  const auto is_post = [](const View& view, size_t pixel) { return std::abs(view.points[pixel].z + 3.0) < 1e-3; };
+  View then(from({0, 1.5, 0}, GetParam()));
+  trail.begin(then.view, then.depth.image(), {width, height}, {}, false, executor);
+  size_t edges = 0;
+  for (int f = 1; f <= 6; ++f) {
+    const View now(from({0.07 * f, 1.5 + 0.02 * f, -0.05 * f}, GetParam()));
+    trail.begin(now.view, now.depth.image(), {width, height}, {}, true, executor);
+    for (size_t pixel = 0; pixel < now.points.size(); ++pixel) {
+      const glm::dvec2 place = then.place(now.points[pixel]), part = glm::fract(place);
+      const bool is_clear = part.x > 0.01 && part.y > 0.01 && part.x < 0.99 && part.y < 0.99;
+      const bool is_inside = place.x >= 0 && place.y >= 0 && place.x <= width - 1 && place.y <= height - 1;
+      if (!is_post(now, pixel) || !is_clear || !is_inside) continue;
+      const size_t corner = static_cast<size_t>(place.y) * width + static_cast<size_t>(place.x);
+      size_t posts = 0;
+      for (const size_t at : {corner, corner + 1, corner + width, corner + width + 1}) posts += is_post(then, at);
+      if (posts == 0 || posts == 4) continue;
+      ++edges;
+      const auto x = static_cast<uint32_t>(pixel % width), y = static_cast<uint32_t>(pixel / width);
+      EXPECT_NE(*trail.from(x, y), PixelTrail::nowhere) << x << ' ' << y << " in frame " << f;
+    }
+    then = now;
+  }
+  EXPECT_GT(edges, 100u);
+}
+
+// The local space may get another origin between frames.
+TEST_P(Trail, goes_on_where_the_space_moves) {
+  Executor executor(2);
+  const glm::dvec3 eye{0, 1.5, 0}, next{0.07, 1.52, -0.05}, origin{1024.0, 0.0, -2048.0};
+  const View then(from(eye, GetParam())), now(from(next, GetParam()));
+  PixelTrail stays, moves;
+  for (PixelTrail* trail : {&stays, &moves})
+    trail->begin(then.view, then.depth.image(), {width, height}, {}, false, executor);
+  stays.begin(now.view, now.depth.image(), {width, height}, {}, true, executor);
+  moves.begin(from(next - origin, GetParam()), now.depth.image(), {width, height}, origin, true, executor);
+  size_t equal = 0;
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < width; ++x) equal += *stays.from(x, y) == *moves.from(x, y);
+  EXPECT_GT(equal, width * height * 99 / 100) << "apart from rounding";
+}
+
+// Several histories share a trail: each begins the frame, but the trail takes it once.
+TEST_P(Trail, takes_a_frame_that_is_begun_twice_once) {
+  Executor executor(2);
+  PixelTrail trail;
+  const View then(from({0, 1.5, 0}, GetParam())), now(from({0.1, 1.5, 0}, GetParam()));
+  trail.begin(then.view, then.depth.image(), {width, height}, {}, false, executor, 1);
+  trail.begin(now.view, now.depth.image(), {width, height}, {}, true, executor, 2);
+  const uint64_t step = trail.step();
+  trail.begin(now.view, now.depth.image(), {width, height}, {}, true, executor, 2);
+  EXPECT_EQ(trail.step(), step);
+  EXPECT_FALSE(trail.same_view());
+}
+
 // Steps that are too small to count add up to a movement.
 TEST_P(Trail, is_not_fooled_by_small_steps) {
   Executor executor(1);

@@ -88,6 +88,22 @@ TEST(Irradiance, OfAnOpenFieldIsNone) {
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(rgb(image.light, t)[c], 0.0f, 1e-3f) << t;
 }
 
+// The sky's colours are in its light already: directions that are all open add nothing, whichever was sampled.
+TEST(Irradiance, OfAnOpenFieldUnderAColouredSkyIsNone) {
+  TestScene scene;
+  scene.quad({0, -2, 0}, {50, 0, 0}, {0, 0, 50}, matt(0.8f, glm::vec3(0.0f)));
+  std::vector<glm::vec3> sky(32 * 16, glm::vec3(1.0f, 0.1f, 0.1f));
+  for (size_t texel = 0; texel < sky.size(); ++texel)
+    if (texel % 32 < 16) sky[texel] = glm::vec3(0.1f, 0.1f, 1.0f);
+  scene.scene.set_environment(32, 16, &sky[0].x, 1.0f, 0.0f);
+  Tracer tracer({2, ""});
+  tracer.set_scene(scene.commit());
+  IrradianceImage image;
+  tracer.trace_irradiance(FloorFrame().request(false), image);
+  for (size_t t = 0; t < size_t{width} * height; ++t)
+    for (int c = 0; c < 3; ++c) ASSERT_NEAR(rgb(image.light, t)[c], 0.0f, 5e-3f) << t;
+}
+
 // The sky's mask counts a coloured sheet by the mean of its channels; irradiance adds the differences.
 TEST(Irradiance, BelowGlassHasItsColour) {
   TestScene scene;
@@ -148,6 +164,38 @@ TEST(Irradiance, OfAViewThatStandsStillSettles) {
   EXPECT_GT(tracer.trace_irradiance(request, image).rays_bounce, 0u);
   EXPECT_TRUE(image.changed);
   EXPECT_NEAR(mean(image).x, 1.25f, 0.1f) << "nothing of the other light is left";
+}
+
+// When an instance moves, a settled view traces again, and its past counts as few samples, so that its light follows.
+TEST(Irradiance, FollowsWhatMoves) {
+  TestScene scene;
+  scene.quad({0, -2, 0}, {20, 0, 0}, {0, 0, 20}, matt(0.5f));
+  const uint32_t lamp = scene.quad({0, -1, -1.7}, {0.6, 0, 0}, {0, 0, 0.6}, glowing(glm::vec3(2.0f))) - 1;
+  scene.environment(glm::vec3(0.0f));
+  const FloorFrame frame;
+  Tracer tracer({2, ""});
+  tracer.set_scene(scene.commit());
+  IrradianceHistory history;
+  IrradianceImage image;
+  IrradianceRequest request = frame.request();
+  request.history = &history;
+  const auto most_samples = [&] {
+    float most = 0.0f;
+    for (const CellLight& light : history.cells().lights) most = std::max(most, light.samples);
+    return most;
+  };
+  for (uint32_t frames = 0; frames < 100 && (frames == 0 || image.changed); ++frames) {
+    tracer.trace_irradiance(request, image);
+    request.sequence = SequenceStep::next;
+  }
+  ASSERT_FALSE(image.changed);
+  EXPECT_GT(most_samples(), 30.0f);
+  const glm::dmat4x3 moved{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5, 0, 0}};
+  scene.scene.move_instances(&lamp, 1, &moved[0][0]);
+  tracer.set_scene(scene.commit());
+  EXPECT_GT(tracer.trace_irradiance(request, image).rays_bounce, 0u);
+  EXPECT_TRUE(image.changed);
+  EXPECT_LT(most_samples(), 10.0f);
 }
 
 // A square that shines above a black floor, with or without a pane between them.
