@@ -271,7 +271,7 @@ void Intersector::set_scene(std::shared_ptr<const model::Snapshot> snapshot, con
 }
 
 void Intersector::nearest_layers(LayerSet set, std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
-                                 uint32_t* counts, Cone cone, bool cull) const {
+                                 uint32_t* counts, const AlphaCone& cone, bool cull) const {
   const FlushDenormals flush;
   if (Following* following = Following::now()) following->follow(rays, meets_sprites(set));
   const LayerRules rules = rules_of(layers, cull, cone);
@@ -285,7 +285,7 @@ void Intersector::nearest_layers(LayerSet set, std::span<const Ray> rays, uint32
 }
 
 void Intersector::nearest_places(LayerSet set, std::span<const Ray> rays, bool coherent, Hit* hits, uint32_t* counts,
-                                 double* known, Cone cone, bool cull) const {
+                                 double* known, const AlphaCone& cone, bool cull) const {
   const FlushDenormals flush;
   if (Following* following = Following::now()) following->follow(rays, meets_sprites(set));
   if (!has_translucent(set)) {
@@ -313,7 +313,7 @@ void Intersector::all_layers(LayerSet set, std::span<const Ray> rays, RaySurface
   });
 }
 
-void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits, OpaqueSet set, Cone cone,
+void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits, OpaqueSet set, const AlphaCone& cone,
                                  bool cull) const {
   const uint32_t mask = mask_of(set);
   const FlushDenormals flush;
@@ -332,7 +332,7 @@ void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* 
 }
 
 void Intersector::nearest_opaque_layers(std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
-                                        uint32_t* counts, Cone cone, bool cull) const {
+                                        uint32_t* counts, const AlphaCone& cone, bool cull) const {
   const FlushDenormals flush;
   if (Following* following = Following::now()) following->follow(rays, false);
   const LayerRules rules = rules_of(layers, cull, cone);

@@ -41,13 +41,13 @@ class Intersector {
   // coplanar surfaces, but a surface only once if a ray hits the edge between two of its triangles. coherent: the rays
   // belong to neighbouring pixels, in 4x4 order. layers <= 64. cull = false: hits backs of all materials.
   void nearest_layers(LayerSet set, std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits,
-                      uint32_t* counts, Cone cone = {}, bool cull = true) const;
+                      uint32_t* counts, const AlphaCone& cone = {}, bool cull = true) const;
   // Finds the nearest translucent surface of each ray and the others at the same distance, as nearest_layers() finds
   // its first four: hits[i * most_at_place + k], counts[i] of them. known[i] is a distance up to which the ray hits no
   // other surface; rounding hides whether one lies just behind it. It is infinite if the ray hits no surface.
   static constexpr uint32_t most_at_place = 4;
   void nearest_places(LayerSet set, std::span<const Ray> rays, bool coherent, Hit* hits, uint32_t* counts,
-                      double* known, Cone cone = {}, bool cull = true) const;
+                      double* known, const AlphaCone& cone = {}, bool cull = true) const;
   // Finds all translucent surfaces of each ray, back faces included, in the total order. They count as in
   // nearest_layers(), with alpha at the finest mip level. At most the nearest 64 of a ray are returned.
   void all_layers(LayerSet set, std::span<const Ray> rays, RaySurfaces& surfaces) const;
@@ -55,11 +55,11 @@ class Intersector {
   // level. The instance is no_instance if there is none. cull = true obeys the rasterizer's cull rule, as for primary
   // rays (docs/adr/0043-back-faces.md).
   void nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits,
-                      OpaqueSet set = OpaqueSet::visible_in_reflection, Cone cone = {}, bool cull = false) const;
+                      OpaqueSet set = OpaqueSet::visible_in_reflection, const AlphaCone& cone = {}, bool cull = false) const;
   // Finds the first `layers` OPAQUE or MASK surfaces of each ray, whatever their visibility flags, as nearest_layers()
   // does: all coplanar ones, and back faces only if `cull` is false. layers <= 64.
   void nearest_opaque_layers(std::span<const Ray> rays, uint32_t layers, bool coherent, Hit* hits, uint32_t* counts,
-                             Cone cone = {}, bool cull = true) const;
+                             const AlphaCone& cone = {}, bool cull = true) const;
   // Tests whether an OPAQUE or MASK surface of the set lies between t_near and t_far: occluded[i] = 0 or 1.
   void occluded(std::span<const Ray> rays, bool coherent, uint8_t* occluded,
                 OpaqueSet set = OpaqueSet::casts_shadow) const;
