@@ -1,6 +1,7 @@
 // Describes rays, and where they hit a snapshot. Plain values; any thread may use them.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -46,6 +47,30 @@ inline constexpr uint32_t no_instance = 0xffffffffu;
 // A pixel's footprint at distance t along its ray is width + spread * t wide; ray-cone texture lookup needs it.
 struct Cone {
   float width = 0, spread = 0;
+};
+
+// Holds the steps from a pixel of a view to the next ones, in widths of the pixel's cone. A rasterizer measures
+// footprints along them, which for oblique surfaces are up to half a mip level smaller than along the cone's diameters.
+struct PixelSteps {
+  glm::vec3 right, up;
+};
+
+// Holds the footprint by which many rays read alpha: a common cone. In a view it is that of one unit of depth along the
+// unit `axis`, and textures are read by the pixel's steps; elsewhere `axis` is 0.
+struct AlphaCone {
+  AlphaCone() = default;
+  AlphaCone(Cone common) : cone(common) {}
+  AlphaCone(Cone at_depth, glm::vec3 view_axis, const PixelSteps& pixel) : cone(at_depth), axis(view_axis), steps(pixel) {}
+
+  bool in_view() const { return axis != glm::vec3(0.0f); }
+  float width_at(const Ray& ray, double distance) const {
+    const float along = in_view() ? std::abs(glm::dot(ray.direction, axis)) : 1.0f;
+    return cone.width + cone.spread * along * static_cast<float>(distance);
+  }
+
+  Cone cone;
+  glm::vec3 axis{0.0f};
+  PixelSteps steps{};
 };
 
 }  // namespace sideray::rt

@@ -72,6 +72,14 @@ ViewRays::ViewRays(const TraceView& view, uint32_t width, uint32_t height)
   const glm::dvec3 middle = perspective_ ? center_ : direction_;
   if (!(glm::length(middle) > 0.0) || !std::isfinite(glm::length(middle)))
     fail(SIDERAY_INVALID_ARGUMENT, "view: the matrices are no camera; give a camera's matrix and its inverse");
+  // Steps in perspective are those of one unit of depth.
+  const glm::dvec3 step_x = perspective_ ? along_x_ : point({1, 0}, near) - point({0, 0}, near);
+  const glm::dvec3 step_y = perspective_ ? along_y_ : point({0, 1}, near) - point({0, 0}, near);
+  const double tall = pixel_.y * glm::length(step_y);
+  const glm::dvec3 axis = glm::normalize(glm::cross(step_x, step_y));
+  const Cone cone = perspective_ ? Cone{0.0f, static_cast<float>(tall / std::abs(glm::dot(middle, axis)))}
+                                 : Cone{static_cast<float>(tall), 0.0f};
+  alpha_cone_ = {cone, axis, {step_x * (pixel_.x / tall), step_y * (pixel_.y / tall)}};
 }
 
 glm::dvec2 ViewRays::ndc(uint32_t x, uint32_t y) const {

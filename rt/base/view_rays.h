@@ -18,6 +18,9 @@ class ViewRays {
   // Returns the pixel's ray; it ends at the far plane.
   Ray ray(uint32_t x, uint32_t y) const;
   Cone cone(uint32_t x, uint32_t y) const;
+  // Returns the footprint of all pixels for alpha, and the steps between them.
+  const AlphaCone& alpha_cone() const { return alpha_cone_; }
+  const PixelSteps& steps() const { return alpha_cone_.steps; }
 
   // Converts window depth 0..1 to the distance along the pixel's ray; infinite beyond an infinite far plane.
   double distance(uint32_t x, uint32_t y, double depth) const;
@@ -92,6 +95,7 @@ class ViewRays {
   double spread_ = 0.0;  // perspective: a pixel's height where directions have length 1
   glm::dvec3 direction_{0.0};                             // orthographic: the direction of all rays
   glm::vec3 right_{0.0f}, up_{0.0f};
+  AlphaCone alpha_cone_;
   double near_depth_, far_depth_;
 };
 

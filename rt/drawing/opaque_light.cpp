@@ -72,7 +72,7 @@ class LightPass {
     list(w);
     if (w.places.empty()) return;
     w.batch.begin(scene_, intersector_.isa());
-    w.batch.load(w.places);
+    w.batch.load_drawn(w.places, view_.steps());
     look_around(w);
     w.radiance.resize(w.places.size());
     w.batch.finish(w.radiance.data());

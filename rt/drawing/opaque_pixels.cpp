@@ -21,11 +21,6 @@ struct SurfaceWorker {
   Counters counters;
 };
 
-// One cone serves all rays' cut-out look-ups, as in LayerTracer.
-Cone cone_of_middle(const ViewRays& view, const OpaqueRequest& r) {
-  return view.cone(r.width / 2, r.height / 2);
-}
-
 float depth_of(const ViewRays& view, const OpaqueRequest& r, glm::uvec2 pixel, double distance) {
   return stored_depth(r.view, view.window_depth(view.pixel(pixel.x, pixel.y), distance));
 }
@@ -57,9 +52,9 @@ void keep_thin(const OpaquePixels& pixels, SurfaceWorker& w) {
   w.texels.resize(kept);
 }
 
-void make_points(const ShadingScene& scene, const Intersector& intersector, SurfaceWorker& w) {
+void make_points(const ShadingScene& scene, const Intersector& intersector, const ViewRays& view, SurfaceWorker& w) {
   if (w.points.size() < w.places.size()) w.points.resize(w.places.size());
-  make_surfaces(scene, shade_kernels(intersector.isa().c_str()), w.places, w.points.data());
+  make_surfaces(scene, shade_kernels(intersector.isa().c_str()), w.places, w.points.data(), &view.steps());
 }
 
 glm::vec4 normal_roughness(const SurfacePoint& point) {
@@ -73,14 +68,13 @@ class SurfacePass {
         scene_(scene.shading()),
         intersector_(scene.intersector()),
         view_(request.view, request.width, request.height),
-        cone_(cone_of_middle(view_, request)),
         pixels_(pixels) {}
 
   void trace(size_t index, SurfaceWorker& w) {
     ViewTile& tile = w.tile;
     tile.aim(view_, request_.width, request_.height, index);
     w.hits.resize(tile.rays.size());
-    intersector_.nearest_opaque(tile.rays, true, w.hits.data(), OpaqueSet::all, cone_, true);
+    intersector_.nearest_opaque(tile.rays, true, w.hits.data(), OpaqueSet::all, view_.alpha_cone(), true);
     w.counters.rays_primary += tile.rays.size();
     if (request_.normals) store_normals(w);
     for (size_t i = 0; i < tile.pixels.size(); ++i) {
@@ -110,7 +104,7 @@ class SurfacePass {
   }
 
   void store_listed(SurfaceWorker& w) const {
-    make_points(scene_, intersector_, w);
+    make_points(scene_, intersector_, view_, w);
     for (size_t i = 0; i < w.places.size(); ++i) pixels_.normals[w.texels[i]] = normal_roughness(w.points[i]);
   }
 
@@ -118,7 +112,6 @@ class SurfacePass {
   const ShadingScene& scene_;
   const Intersector& intersector_;
   ViewRays view_;
-  Cone cone_;
   OpaquePixels& pixels_;
 };
 
@@ -176,7 +169,7 @@ OpaqueMaterials materials_of(const OpaqueRequest& request, const OpaquePixels& p
     w.hits.clear();
     for (const glm::uvec2 p : w.tile.pixels) w.hits.push_back(pixels.hits[size_t{p.y} * request.width + p.x]);
     list_places(w.tile, w.hits.data(), request.width, *shading.snapshot, w);
-    make_points(shading, scene.intersector(), w);
+    make_points(shading, scene.intersector(), view, w);
     for (size_t i = 0; i < w.places.size(); ++i) {
       const SurfacePoint& point = w.points[i];
       result.albedo_metallic[w.texels[i]] = {point.surface.albedo, point.surface.metallic};
@@ -205,7 +198,7 @@ std::vector<uint8_t> count_translucent(const OpaqueRequest& request, const Opaqu
       if (hit.instance != no_instance) w.tile.rays[i].t_far = static_cast<float>(hit.distance);
     }
     intersector.nearest_layers(set, w.tile.rays,
-                               {.layers = most, .coherent = true, .cone = cone_of_middle(view, request)},
+                               {.layers = most, .coherent = true, .cone = view.alpha_cone()},
                                w.layers.data(), w.counts.data());
     for (size_t i = 0; i < w.tile.pixels.size(); ++i)
       result[size_t{w.tile.pixels[i].y} * request.width + w.tile.pixels[i].x] = static_cast<uint8_t>(w.counts[i]);

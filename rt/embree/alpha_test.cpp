@@ -9,8 +9,9 @@ namespace sideray::rt {
 namespace {
 
 float base_color_level(const model::Texture& texture, const TraceInstance& instance, const std::vector<glm::vec2>& uv,
-                       const Ray& ray, const Hit& hit, float width) {
+                       const Ray& ray, const Hit& hit, const AlphaCone& cone) {
   const sideray_texture_slot& slot = instance.material->desc.base_color_texture;
+  const float width = cone.width_at(ray, hit.distance);
   if (width <= 0.0f || slot.filter != SIDERAY_TRILINEAR || texture.levels.size() == 1) return 0.0f;
   const glm::uvec3 t = instance.triangles[hit.primitive];
   const auto corner = [&](uint32_t vertex) {
@@ -19,14 +20,15 @@ float base_color_level(const model::Texture& texture, const TraceInstance& insta
   };
   const glm::vec3 p0 = corner(t.x);
   const TextureFootprint footprint =
-      texture_footprint(corner(t.y) - p0, corner(t.z) - p0, glm::normalize(ray.direction), width);
+      texture_footprint(corner(t.y) - p0, corner(t.z) - p0, glm::normalize(ray.direction), width,
+                        cone.in_view() ? &cone.steps : nullptr);
   return texture_level(footprint, uv[t.y] - uv[t.x], uv[t.z] - uv[t.x], slot, texture);
 }
 
 }  // namespace
 
 bool alpha_discards(const model::Snapshot& snapshot, const TraceInstance& instance, const Ray& ray, const Hit& hit,
-                    Cone cone) {
+                    const AlphaCone& cone) {
   if (instance.sprites != 0) return sprite_discards(snapshot, hit);
   const sideray_material_desc& desc = instance.material->desc;
   const float limit = desc.alpha_mode == SIDERAY_MASK ? desc.alpha_cutoff : 1.0f / 255.0f;
@@ -44,8 +46,7 @@ bool alpha_discards(const model::Snapshot& snapshot, const TraceInstance& instan
   const model::Texture& texture = *snapshot.textures[slot.texture - 1];
   const std::vector<glm::vec2>& uv = slot.uv_set == 0 ? mesh.uv0 : mesh.uv1;
   const glm::vec2 at = w * uv[t.x] + hit.u * uv[t.y] + hit.v * uv[t.z];
-  const float width = cone.width + cone.spread * static_cast<float>(hit.distance);
-  const float level = base_color_level(texture, instance, uv, ray, hit, width);
+  const float level = base_color_level(texture, instance, uv, ray, hit, cone);
   if (level > 0.0f) return alpha * sample(texture, slot, at, level).w < limit;
   if (instance.alpha) {
     const AlphaRange range = alpha_range(*instance.alpha, slot, at);

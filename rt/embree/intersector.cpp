@@ -313,7 +313,7 @@ void Intersector::all_layers(LayerSet set, std::span<const Ray> rays, RaySurface
   });
 }
 
-void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits, OpaqueSet set, Cone cone,
+void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits, OpaqueSet set, const AlphaCone& cone,
                                  bool cull) const {
   const uint32_t mask = mask_of(set);
   const FlushDenormals flush;

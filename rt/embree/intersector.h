@@ -27,7 +27,7 @@ enum class OpaqueSet { visible_in_reflection, casts_shadow, occludes_sky, walls,
 struct LayerSearch {
   uint32_t layers = 1;    // the most of a ray, up to 64
   bool coherent = false;  // the rays belong to neighbouring pixels, in 4x4 order
-  Cone cone = {};         // of all rays, chooses the mip level of alpha
+  AlphaCone cone = {};    // of all rays, chooses the mip level of alpha
   bool cull = true;       // the rasterizer's rule: materials that are not double sided have no backs
 };
 
@@ -62,7 +62,7 @@ class Intersector {
   // level. The instance is no_instance if there is none. cull = true obeys the rasterizer's cull rule, as for primary
   // rays (docs/adr/0043-back-faces.md).
   void nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits,
-                      OpaqueSet set = OpaqueSet::visible_in_reflection, Cone cone = {}, bool cull = false) const;
+                      OpaqueSet set = OpaqueSet::visible_in_reflection, const AlphaCone& cone = {}, bool cull = false) const;
   // Finds the first OPAQUE or MASK surfaces of each ray, whatever their visibility flags, as nearest_layers() does.
   void nearest_opaque_layers(std::span<const Ray> rays, const LayerSearch& search, Hit* hits, uint32_t* counts) const;
   // Tests whether an OPAQUE or MASK surface of the set lies between t_near and t_far: occluded[i] = 0 or 1.

@@ -42,7 +42,7 @@ struct LayerRules {
   uint32_t layers;  // the number to find
   uint32_t kept;    // limit of the hits kept: the layers, and others within rounding of the last one
   bool cull;        // obey TraceInstance::culls
-  Cone cone;        // for the mip level of alpha
+  AlphaCone cone;
 };
 
 // First pass: notes a candidate and narrows lane.limit by Embree's own distances. This is optimistic: the candidate may

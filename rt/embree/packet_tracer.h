@@ -24,7 +24,7 @@ namespace sideray::rt {
 
 inline constexpr uint32_t most_packet_lanes = 16, most_packet_layers = 64;
 
-inline LayerRules rules_of(uint32_t layers, bool cull, Cone cone) {
+inline LayerRules rules_of(uint32_t layers, bool cull, const AlphaCone& cone) {
   layers = std::min(layers, most_packet_layers);
   return {.layers = layers, .kept = layers, .cull = cull, .cone = cone};
 }
@@ -59,7 +59,7 @@ struct LayerQuery : embree::Query {
   }
 };
 
-inline bool discarded(const TraceTable& table, const Ray& ray, const Candidate& candidate, Cone cone) {
+inline bool discarded(const TraceTable& table, const Ray& ray, const Candidate& candidate, const AlphaCone& cone) {
   const TraceInstance& instance = table.instances[candidate.instance];
   Hit hit;
   return !recompute(instance, candidate.instance, candidate.primitive, ray, hit) ||

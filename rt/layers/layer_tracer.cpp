@@ -113,17 +113,12 @@ void LayerTracer::traverse_active() {
   }
 }
 
-// One cone serves all traversals: the pixels' cones differ little, and the mip level is their logarithm.
-Cone LayerTracer::middle_cone() const {
-  return frame_->view->cone(frame_->request->width / 2, frame_->request->height / 2);
-}
-
 void LayerTracer::traverse_group(uint32_t layers) {
   rays_.clear();
   for (const uint32_t pixel : group_) rays_.push_back(states_[pixel].ray);
   hits_.resize(group_.size() * layers);
   hit_counts_.resize(group_.size());
-  frame_->intersector->nearest_layers(frame_->set, rays_, {.layers = layers, .coherent = true, .cone = middle_cone()},
+  frame_->intersector->nearest_layers(frame_->set, rays_, {.layers = layers, .coherent = true, .cone = frame_->view->alpha_cone()},
                                       hits_.data(), hit_counts_.data());
   counters_->rays_primary += group_.size();
   for (size_t i = 0; i < group_.size(); ++i) take_hits(group_[i], &hits_[i * layers], hit_counts_[i], layers);
@@ -229,7 +224,7 @@ void LayerTracer::gather_points() {
   }
   if (made_points_.size() < places_.size()) made_points_.resize(places_.size());
   points_ = std::span(made_points_).first(places_.size());
-  make_surfaces(*frame_->scene, *kernels_, places_, points_.data());
+  make_surfaces(*frame_->scene, *kernels_, places_, points_.data(), &frame_->view->steps());
   for (size_t i = 0; i < points_.size(); ++i)
     points_[i].key = random_key({states_[shaded_[i].pixel].key, shaded_[i].layer});
 }

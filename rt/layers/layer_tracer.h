@@ -76,7 +76,6 @@ class LayerTracer {
   void aim(std::span<const PixelRequest> pixels, PixelState* states);
   void traverse_active();
   void traverse_group(uint32_t layers);
-  Cone middle_cone() const;
   void take_hits(uint32_t pixel, const Hit* hits, uint32_t count, uint32_t layers);
   bool is_next(const Hit& last, const Hit& hit) const;
   bool accepted(const Hit& hit) const;

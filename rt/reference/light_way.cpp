@@ -52,7 +52,7 @@ void LightWays::find_opaque(std::span<LightWay* const> ways, bool from_eye) {
   if (rays_.empty()) return;
   hits_.resize(rays_.size());
   intersector_->nearest_opaque(rays_, directions_agree(rays_), hits_.data(),
-                               from_eye ? OpaqueSet::all : OpaqueSet::visible_in_reflection, from_eye ? eye_ : Cone{},
+                               from_eye ? OpaqueSet::all : OpaqueSet::visible_in_reflection, from_eye ? eye_ : AlphaCone{},
                                from_eye);
   traversals += rays_.size();
   for (size_t i = 0; i < group_.size(); ++i) group_[i]->end_at(hits_[i]);
@@ -82,7 +82,7 @@ void LightWays::find_translucent(std::span<LightWay* const> ways, bool from_eye,
   // Includes backs; whether one is visible depends on the media there (is_there).
   intersector_->nearest_layers(
       LayerSet::with_sprites, rays_,
-      {.layers = layers, .coherent = directions_agree(rays_), .cone = from_eye ? eye_ : Cone{}, .cull = false},
+      {.layers = layers, .coherent = directions_agree(rays_), .cone = from_eye ? eye_ : AlphaCone{}, .cull = false},
       hits_.data(), counts_.data());
   traversals += rays_.size();
   const std::vector<model::Instance>& instances = surfaces_->snapshot->instances;

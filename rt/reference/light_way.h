@@ -58,7 +58,7 @@ class LightWays {
   // The caller keeps all objects alive. `refraction` null: nothing bends light, and volumes absorb by their thickness.
   void begin(const ShadingScene& scene, const Intersector& intersector, const RefractionScene* refraction);
   // Sets the cone for the alpha of primary rays.
-  void look(Cone eye) { eye_ = eye; }
+  void look(const AlphaCone& eye) { eye_ = eye; }
 
   // Finds the opaque ends of those rays that are fresh.
   void find_opaque(std::span<LightWay* const> ways);
@@ -93,7 +93,7 @@ class LightWays {
   const Intersector* intersector_ = nullptr;
   const RefractionScene* refraction_ = nullptr;
   bool has_translucent_ = false;
-  Cone eye_{};
+  AlphaCone eye_;
   std::vector<LightWay*> group_;
   std::vector<Ray> rays_;
   std::vector<Hit> hits_;

@@ -76,7 +76,7 @@ Ray ray_of(const sideray_ray& r) {
 
 }  // namespace
 
-void trace_drawn_surfaces(const Intersector& intersector, Cone cone, std::span<const Ray> rays, std::vector<Hit>& hits) {
+void trace_drawn_surfaces(const Intersector& intersector, const AlphaCone& cone, std::span<const Ray> rays, std::vector<Hit>& hits) {
   hits.resize(rays.size());
   intersector.nearest_opaque(rays, true, hits.data(), OpaqueSet::all, cone, true);
 }
@@ -99,13 +99,12 @@ void trace_pixels(const Intersector& intersector, Executor& executor, const View
   request.mask = SIDERAY_MASK_NONE;
   FramePixels frame;
   gather_pixels(request, {}, executor, frame);
-  const Cone cone = view_rays.cone(size.x / 2, size.y / 2);
   for_chunks(size_t{size.x} * size.y, executor, [&](size_t first, size_t count) {
     const std::span<const PixelRequest> pixels = std::span(frame.pixels).subspan(first, count);
     std::vector<Ray> rays;
     std::vector<Hit> hits;
     for (const PixelRequest& p : pixels) rays.push_back(view_rays.ray(p.x, p.y));
-    trace_drawn_surfaces(intersector, cone, rays, hits);
+    trace_drawn_surfaces(intersector, view_rays.alpha_cone(), rays, hits);
     for (size_t i = 0; i < count; ++i)
       if (hits[i].instance != no_instance)
         met(PixelHit{pixels[i], size_t{pixels[i].y} * size.x + pixels[i].x, rays[i], hits[i]});
@@ -123,7 +122,7 @@ PrimaryImage trace_primary_image(const ShadingScene& scene, const Intersector& i
   trace_pixels(intersector, executor, view_rays, {width, height}, [&](const PixelHit& met) {
     const Cone cone = view_rays.cone(met.pixel.x, met.pixel.y);
     image.distance[met.texel] = static_cast<float>(met.hit.distance);
-    image.normal[met.texel] = surface_point(scene, met.hit, met.ray, cone).surface.normal;
+    image.normal[met.texel] = surface_point(scene, met.hit, met.ray, cone, &view_rays.steps()).surface.normal;
     image.ids[met.texel] = {scene.snapshot->instances[met.hit.instance].surface_id, met.hit.primitive + 1};
   });
   return image;

@@ -22,7 +22,7 @@ std::vector<OpaquePoint> trace_opaque_points(const ShadingScene& scene, const In
 
 // Finds one hit a ray: the first surface that the rasterizer draws, which excludes backs of materials that are not
 // double sided. All rays use `cone` for alpha.
-void trace_drawn_surfaces(const Intersector& intersector, Cone cone, std::span<const Ray> rays, std::vector<Hit>& hits);
+void trace_drawn_surfaces(const Intersector& intersector, const AlphaCone& cone, std::span<const Ray> rays, std::vector<Hit>& hits);
 
 // Traces rays as documented at Tracer::trace_rays.
 void trace_ray_batch(const model::Snapshot& snapshot, const Intersector& intersector, Executor& executor,

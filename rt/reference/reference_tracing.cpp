@@ -104,8 +104,7 @@ class Pass {
   void trace_opaque(std::span<const PixelRequest> pixels, ReferenceWorker& w) {
     w.rays.clear();
     for (const PixelRequest& p : pixels) w.rays.push_back(view_.ray(p.x, p.y));
-    const Cone cone = cone_at(request_.width / 2, request_.height / 2);  // by which LayerTracer reads alpha too
-    trace_drawn_surfaces(*scene_.intersector, cone, w.rays, w.hits);
+    trace_drawn_surfaces(*scene_.intersector, alpha_cone(), w.rays, w.hits);
     w.counters.rays_primary += w.rays.size();
     for (size_t i = 0; i < pixels.size(); ++i) {
       ReferenceWorker::Pixel& sum = w.sums[i];
@@ -128,7 +127,7 @@ class Pass {
       const Hit& hit = w.hits[i];
       if (hit.instance == no_instance) continue;
       const PixelRequest& p = pixels[i];
-      SurfacePoint point = surface_point(*scene_.scene, hit, w.rays[i], cone_at(p.x, p.y));
+      SurfacePoint point = surface_point(*scene_.scene, hit, w.rays[i], cone_at(p.x, p.y), &view_.steps());
       point.key = random_key({pixel_key(request_.seed, position_, p.x, p.y), opaque_surface});
       if (position_ == 0 && request_.surfaces) store_surface(p, hit, point);
       w.points.push_back(point);
@@ -188,7 +187,7 @@ class Pass {
       w.eye_rays.push_back({w.rays[i], cone_at(p.x, p.y), w.hits[i], pixel_key(request_.seed, 0, p.x, p.y)});
     }
     PathTracer& tracer = w.paths.tracer();
-    tracer.ways().look(cone_at(request_.width / 2, request_.height / 2));
+    tracer.ways().look(alpha_cone());
     const uint64_t reflections = tracer.rays_reflection, shadows = tracer.rays_shadow(), ways = tracer.ways().traversals;
     w.eye.trace(w.eye_rays, {request_.light_samples, position_, distorts_picture(), refraction_.at_eye}, tracer, w.seen);
     w.counters.rays_reflection += tracer.rays_reflection - reflections;
@@ -204,10 +203,15 @@ class Pass {
     }
   }
 
-  // Returns the cone for textures. With paths, all positions together cover the pixel, so each uses only its share of
+  // Return the cones of textures. With paths, all positions together cover the pixel, so each uses only its share of
   // it: otherwise cut-out leaves with coarse texels would grow, and textures blur.
-  Cone cone_at(uint32_t x, uint32_t y) const {
-    const Cone cone = view_.cone(x, y);
+  Cone cone_at(uint32_t x, uint32_t y) const { return shared(view_.cone(x, y)); }
+  AlphaCone alpha_cone() const {
+    AlphaCone alpha = view_.alpha_cone();
+    alpha.cone = shared(alpha.cone);
+    return alpha;
+  }
+  Cone shared(Cone cone) const {
     if (request_.bounces == 1) return cone;
     const float share = 1.0f / std::sqrt(static_cast<float>(request_.views.size()));
     return {cone.width * share, cone.spread * share};

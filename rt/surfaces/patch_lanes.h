@@ -96,25 +96,37 @@ SIDERAY_LANE real3 unit_or(real3 v, real3 otherwise) {
   return sr_select(sound, v * (1.0f / sqrt(squared)), otherwise);
 }
 
-// Computes texture_footprint(): x and y along the longer diameter, then across.
+SIDERAY_LANE real3 broadcast(const float* v) {
+  return real3(real(v[0]), real(v[1]), real(v[2]));
+}
+
+// Computes texture_footprint(): x and y of the first diameter, then of the second.
 SIDERAY_LANE void store_footprint(real3 edge1, real3 edge2, real3 normal, real3 direction, real width,
-                                  BlockRow (&rows)[4], int at) {
+                                  const float* steps, BlockRow (&rows)[4], int at) {
   const real squared_area = dot(normal, normal);
   const boolean sound = squared_area > 1e-36f;
   const real3 unit = normal * (1.0f / sqrt(squared_area));
   const real cosine = dot(unit, direction);
-  const real3 slide = direction - unit * cosine;
-  const real sine = length(slide);
-  const real3 along = sr_select(sine > 1e-6f, slide * (1.0f / sine), normalize(edge1));
-  const real3 long_axis = along * (width / max(abs(cosine), 1e-4f));
-  const real3 short_axis = cross(unit, along) * width;
+  real3 first, second;
+  if (steps) {
+    const real slope = 1.0f / sr_select(abs(cosine) > 1e-4f, cosine, real(1e-4f));
+    const auto on_plane = [&](real3 step) { return (step - direction * (dot(unit, step) * slope)) * width; };
+    first = on_plane(broadcast(steps));
+    second = on_plane(broadcast(steps + 3));
+  } else {
+    const real3 slide = direction - unit * cosine;
+    const real sine = length(slide);
+    const real3 along = sr_select(sine > 1e-6f, slide * (1.0f / sine), normalize(edge1));
+    first = along * (width / max(abs(cosine), 1e-4f));
+    second = cross(unit, along) * width;
+  }
   const real inverse = 1.0f / squared_area;
   const real3 to_second = cross(edge2, normal) * inverse, to_third = cross(normal, edge1) * inverse;
   const auto put = [&](int row, real value) { store(rows[row] + at, sr_select(sound, value, real(0.0f))); };
-  put(0, dot(long_axis, to_second));
-  put(1, dot(long_axis, to_third));
-  put(2, dot(short_axis, to_second));
-  put(3, dot(short_axis, to_third));
+  put(0, dot(first, to_second));
+  put(1, dot(first, to_third));
+  put(2, dot(second, to_second));
+  put(3, dot(second, to_third));
 }
 
 }  // namespace sideray::rt::SIDERAY_LANES

@@ -224,7 +224,8 @@ ShadingScene::ShadingScene(std::shared_ptr<const model::Snapshot> committed) : s
   records = make_records(*snapshot, materials, fixed_materials, textures);
 }
 
-SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray& ray, Cone cone) {
+SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray& ray, Cone cone,
+                           const PixelSteps* steps) {
   if (scene.snapshot->instances[hit.instance].sprites != 0) return sprite_point(*scene.snapshot, hit, ray, cone);
   const Patch patch = make_patch(*scene.snapshot, hit);
   const uint32_t material = patch.instance.material;
@@ -238,7 +239,7 @@ SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray&
   const glm::vec4 tangent = needs_frame(desc, !scene.textures[material].empty()) ? tangent_of(patch) : glm::vec4(0.0f);
   glm::vec3 normal = smooth, coat_normal = smooth;
   if (!scene.textures[material].empty()) {
-    const TextureFootprint footprint = texture_footprint(patch.edge1, patch.edge2, ray.direction, width);
+    const TextureFootprint footprint = texture_footprint(patch.edge1, patch.edge2, ray.direction, width, steps);
     textures = read_textures(scene.textures[material], {patch.mesh, patch.triangle, patch.weights, footprint},
                              desc.occlusion_strength);
     if (desc.normal_texture.texture || desc.clearcoat_normal_texture.texture) {

@@ -46,9 +46,10 @@ struct SurfaceAttributes {
 };
 SurfaceAttributes surface_attributes(const model::Snapshot& snapshot, const SurfacePoint& point);
 
-// Makes the surface of a hit. `ray` is the unit ray that made it, `cone` its cone at t = 0. SurfaceBatch does the same
-// for many hits.
-SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray& ray, Cone cone);
+// Makes the surface of a hit. `ray` is the unit ray that made it, `cone` its cone at t = 0, `steps` those of the view
+// whose pixel it goes through, or null. SurfaceBatch does the same for many hits.
+SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray& ray, Cone cone,
+                           const PixelSteps* steps = nullptr);
 
 // Returns the surface of an isotropic material without its textures, seen at an angle to its normal; `thick`: with the
 // absorption of its thickness.

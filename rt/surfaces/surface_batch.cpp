@@ -23,6 +23,7 @@ static_assert(offsetof(SurfacePoint, geometric_normal) * block_size == offsetof(
 static_assert(offsetof(SurfacePoint, to_eye) * block_size == offsetof(SurfaceBlock, to_eye));
 static_assert(offsetof(SurfacePoint, offset) * block_size == offsetof(SurfaceBlock, offset));
 static_assert(sizeof(SurfacePoint) * block_size >= sizeof(SurfaceBlock));
+static_assert(sizeof(PixelSteps) == 6 * sizeof(float));  // HitBlock::steps
 static_assert(offsetof(SrSurface, albedo) == 3 * sizeof(float) && offsetof(SrSurface, diffuse) == 7 * sizeof(float) &&
               offsetof(SrSurface, tint) == 22 * sizeof(float) && offsetof(SrSurface, coat) == 28 * sizeof(float) &&
               offsetof(SrSurface, coat_normal) == 30 * sizeof(float) && offsetof(SrSurface, f0) == 13 * sizeof(float) &&
@@ -88,8 +89,9 @@ void store_point(const SurfacePoint& point, SurfaceBlock& block, size_t lane) {
 
 // Makes the surfaces of up to sixteen hits, except sprites; the last one fills unused lanes.
 void make_solids(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
-                 SurfaceBlock& block) {
+                 const PixelSteps* steps, SurfaceBlock& block) {
   HitBlock places;
+  if (steps) places.steps = &steps->right.x;
   const HitPlace* solid = nullptr;  // any hit that is not on a sprite
   for (const HitPlace& place : hits)
     if (!is_sprite(scene, place)) solid = &place;
@@ -104,8 +106,8 @@ void make_solids(const ShadingScene& scene, const ShadeKernels& kernels, std::sp
 
 // Makes all surfaces of a block.
 void make_block(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
-                SurfaceBlock& block) {
-  make_solids(scene, kernels, hits, block);
+                const PixelSteps* steps, SurfaceBlock& block) {
+  make_solids(scene, kernels, hits, steps, block);
   if (!scene.records.sprites) return;
   for (size_t i = 0; i < block_size; ++i) {
     const HitPlace& place = hits[std::min(i, hits.size() - 1)];
@@ -156,12 +158,12 @@ void finish_point(const ShadingScene& scene, const HitPlace& place, SurfacePoint
 }  // namespace
 
 void make_surfaces(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
-                   SurfacePoint* points) {
+                   SurfacePoint* points, const PixelSteps* steps) {
   SurfaceBlock block;
   BlendBlock blends;
   for (size_t first = 0; first < hits.size(); first += block_size) {
     const std::span<const HitPlace> part = hits.subspan(first, std::min<size_t>(block_size, hits.size() - first));
-    make_solids(scene, kernels, part, block);
+    make_solids(scene, kernels, part, steps, block);
     SurfacePoint* out = points + first;
     kernels.unload(block, static_cast<uint32_t>(part.size()), &out->surface.normal.x,
                    sizeof(SurfacePoint) / sizeof(float));
@@ -208,15 +210,27 @@ void SurfaceBatch::load(std::span<const SurfacePoint> points) {
 }
 
 void SurfaceBatch::load(std::span<const HitPlace> hits) {
+  make_blocks(hits, nullptr);
+  look_around();
+}
+
+void SurfaceBatch::load_drawn(std::span<const HitPlace> hits, const PixelSteps& steps) {
+  static_assert(offsetof(SrSurface, normal) == 0);
+  make_blocks(hits, &steps);
+  for (SurfaceBlock& block : blocks_) std::memcpy(block.geometric_normal, block.surface, sizeof(block.geometric_normal));
+  look_around();
+}
+
+void SurfaceBatch::make_blocks(std::span<const HitPlace> hits, const PixelSteps* steps) {
   count_ = hits.size();
   clear_traits();
   for (const HitPlace& hit : hits) add_traits(hit.weight, width_at(hit), key_of_place(place_of(hit)));
   blocks_.resize((count_ + block_size - 1) / block_size);
   for (size_t b = 0; b < blocks_.size(); ++b) {
     const size_t first = b * block_size;
-    make_block(*scene_, *kernels_, hits.subspan(first, std::min<size_t>(block_size, count_ - first)), blocks_[b]);
+    make_block(*scene_, *kernels_, hits.subspan(first, std::min<size_t>(block_size, count_ - first)), steps,
+               blocks_[b]);
   }
-  look_around();
 }
 
 void SurfaceBatch::clear_traits() {

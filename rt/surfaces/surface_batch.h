@@ -29,9 +29,10 @@ struct LightOdds {
   float least, most;
 };
 
-// Makes the surface of each hit, with the same bits as surface_point(). `kernels` are those of the instruction set.
+// Makes the surface of each hit, with the same bits as surface_point(). `kernels` are those of the instruction set,
+// `steps` those of the view whose pixels the rays go through, or null.
 void make_surfaces(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
-                   SurfacePoint* points);
+                   SurfacePoint* points, const PixelSteps* steps = nullptr);
 // Does the same, and appends the surfaces to `points`.
 void append_surfaces(const ShadingScene& scene, const ShadeKernels& kernels, std::span<const HitPlace> hits,
                      std::vector<SurfacePoint>& points);
@@ -70,6 +71,9 @@ class SurfaceBatch {
   void load(std::span<const SurfacePoint> points);
   // Makes the hits' surfaces and does the same with them.
   void load(std::span<const HitPlace> hits);
+  // Does so for hits of a view's rays, as a rasterizer draws them: textures are read by the pixels' steps, and mirror
+  // directions are about the shading normal alone, since a G-buffer holds no other.
+  void load_drawn(std::span<const HitPlace> hits, const PixelSteps& steps);
 
   // Darkens the sky's light at the points by its visible shares; `shares` has one entry a block.
   void hide_sky(std::span<const SkyShares> shares);
@@ -134,6 +138,7 @@ class SurfaceBatch {
   };
   LightTerms terms_of(size_t light) const;
   void start_fixed(glm::vec3* radiance);
+  void make_blocks(std::span<const HitPlace> hits, const PixelSteps* steps);
   void clear_traits();
   void add_traits(float weight, float width, uint32_t key);
   void look_around();

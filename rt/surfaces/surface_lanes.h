@@ -286,7 +286,8 @@ void surfaces_of_hits(const SurfaceTables& tables, const HitBlock& hits, Surface
     store3(block.to_eye, at, -direction);
     store3(block.position, at, load3(patches.position, at));
     store(block.offset + at, load(patches.largest + at) * share_of_rounding);
-    if (reads.textured != 0) store_footprint(edge1, edge2, normal, direction, load(hits.width + at), footprint, at);
+    if (reads.textured != 0)
+      store_footprint(edge1, edge2, normal, direction, load(hits.width + at), hits.steps, footprint, at);
   }
   read_block(tables, hits, reads, footprint, texels);
   fill_volumes(materials, texels.any ? &texels.rows[row_thickness] : nullptr, patches.leaves, reads.absorbing, volume);

@@ -115,6 +115,7 @@ struct alignas(64) HitBlock {
   BlockRow width;         // of its cone where it hits
   BlockRow front;         // 1: the front face
   uint32_t instance[block_size], primitive[block_size];
+  const float* steps = nullptr;  // six numbers: PixelSteps of the view whose pixels the rays go through; may be null
 };
 
 }  // namespace sideray::rt

@@ -44,8 +44,7 @@ class TruthPass {
         scene_(scene),
         intersector_(intersector),
         image_(image),
-        view_(request.view, request.width, request.height),
-        cone_(view_.cone(request.width / 2, request.height / 2)) {
+        view_(request.view, request.width, request.height) {
     const Ray middle = view_.ray(request.width / 2, request.height / 2);
     near_ = depth_at(middle, static_cast<double>(middle.t_near));
     far_ = middle.t_far >= farthest_end ? std::numeric_limits<double>::infinity()
@@ -77,14 +76,14 @@ class TruthPass {
   void find_first(std::span<const PixelRequest> pixels, TruthWorker& w) const {
     w.rays.clear();
     for (const PixelRequest& p : pixels) w.rays.push_back(view_.ray(p.x, p.y));
-    trace_drawn_surfaces(intersector_, cone_, w.rays, w.opaque);
+    trace_drawn_surfaces(intersector_, view_.alpha_cone(), w.rays, w.opaque);
     std::vector<Ray> before = w.rays;
     for (size_t i = 0; i < before.size(); ++i)
       if (w.opaque[i].instance != no_instance)
         before[i].t_far = static_cast<float>(w.opaque[i].distance) * (1.0f - on_opaque_surface);
     w.glass.resize(pixels.size());
     w.counts.resize(pixels.size());
-    intersector_.nearest_layers(LayerSet::all_translucent, before, {.coherent = true, .cone = cone_}, w.glass.data(),
+    intersector_.nearest_layers(LayerSet::all_translucent, before, {.coherent = true, .cone = view_.alpha_cone()}, w.glass.data(),
                                 w.counts.data());
     for (size_t i = 0; i < pixels.size(); ++i)
       if (w.counts[i] == 0) w.glass[i].instance = no_instance;
@@ -182,7 +181,7 @@ class TruthPass {
   void look_at_places(const std::vector<Ray>& rays, const std::vector<PlaceRay>& places) {
     if (rays.empty()) return;
     std::vector<Hit> hits;
-    trace_drawn_surfaces(intersector_, cone_, rays, hits);
+    trace_drawn_surfaces(intersector_, view_.alpha_cone(), rays, hits);
     for (size_t i = 0; i < places.size(); ++i) {
       const PlaceRay& place = places[i];
       const bool is_there = hits[i].instance == place.instance &&
@@ -196,7 +195,6 @@ class TruthPass {
   const Intersector& intersector_;
   GroundTruthImage& image_;
   ViewRays view_;
-  Cone cone_;  // for the alpha of all rays
   double near_ = 0.0, far_ = 0.0;  // depths of the planes
   std::optional<PathFrame> paths_;  // empty if nothing bends light
 };

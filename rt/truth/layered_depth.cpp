@@ -128,7 +128,6 @@ class LayerPass {
         intersector_(intersector),
         kernels_(shade_kernels(intersector.isa().c_str())),
         view_(request.view, wanted_.width, wanted_.height),
-        cone_(view_.cone(wanted_.width / 2, wanted_.height / 2)),
         writer_(request, *scene.snapshot) {
     if (refraction)
       paths_.emplace(request.view, view_, wanted_.width, wanted_.height, scene, intersector, *refraction);
@@ -151,7 +150,7 @@ class LayerPass {
  private:
   // Finds the nearest surfaces of each kind and merges both kinds in one order.
   void find_straight(LayerWorker& w) const {
-    SurfaceWalk walk(*scene_.snapshot, intersector_, cone_, false);
+    SurfaceWalk walk(*scene_.snapshot, intersector_, view_.alpha_cone(), false);
     const auto meet = [&](uint32_t i, const Hit& hit) {
       w.met[i].push_back({hit, &w.rays[i], 0.0, {}, {}});
       return ++w.found[i] < wanted_.layers;
@@ -172,7 +171,7 @@ class LayerPass {
 
   // Finds the surfaces that each path crosses, and its end.
   void find_bent(std::span<const PixelRequest> pixels, LayerWorker& w) {
-    trace_drawn_surfaces(intersector_, cone_, w.rays, w.opaque);
+    trace_drawn_surfaces(intersector_, view_.alpha_cone(), w.rays, w.opaque);
     w.paths.clear();
     w.ends.clear();
     w.surfaces.clear();
@@ -217,7 +216,6 @@ class LayerPass {
   const Intersector& intersector_;
   const ShadeKernels& kernels_;
   const ViewRays view_;
-  const Cone cone_;  // for the alpha of all rays
   const LayerWriter writer_;
   std::optional<PathFrame> paths_;  // empty if nothing is translucent
 };

@@ -36,7 +36,7 @@ struct RayObjects {
 class ObjectRays {
  public:
   ObjectRays(const ObjectTruthRequest& request, const model::Snapshot& snapshot, const Intersector& intersector,
-             Cone cone)
+             const AlphaCone& cone)
       : request_(request), walk_(snapshot, intersector, cone, true) {}
 
   std::span<const RayObjects> trace(std::span<const Ray> rays) {
@@ -104,7 +104,6 @@ class PlacePass {
   template <typename TakeObjects>
   void trace(glm::dvec2 place, const TakeObjects& take) {
     const ViewRays view(moved(request_.view, place, request_.width, request_.height), request_.width, request_.height);
-    const Cone cone = view.cone(request_.width / 2, request_.height / 2);
     const model::Snapshot& snapshot = *scene_.shading().snapshot;
     scene_.executor().run(chunks(), [&](size_t chunk, uint32_t thread) {
       const size_t first = chunk * pixels_in_object_chunk;
@@ -112,7 +111,7 @@ class PlacePass {
           .subspan(first, std::min(pixels_in_object_chunk, frame_.pixels.size() - first));
       std::vector<Ray> rays;
       for (const PixelRequest& p : pixels) rays.push_back(view.ray(p.x, p.y));
-      ObjectRays tracer(request_, snapshot, scene_.intersector(), cone);
+      ObjectRays tracer(request_, snapshot, scene_.intersector(), view.alpha_cone());
       const std::span<const RayObjects> objects = tracer.trace(rays);
       for (size_t i = 0; i < pixels.size(); ++i) take(pixels[i], objects[i], thread, chunk);
     });

@@ -15,7 +15,7 @@ namespace sideray::rt {
 class SurfaceWalk {
  public:
   // All rays use `cone` for alpha. cull: skips backs of materials that are not double sided.
-  SurfaceWalk(const model::Snapshot& snapshot, const Intersector& intersector, Cone cone, bool cull)
+  SurfaceWalk(const model::Snapshot& snapshot, const Intersector& intersector, const AlphaCone& cone, bool cull)
       : snapshot_(snapshot), intersector_(intersector), cone_(cone), cull_(cull) {}
 
   // Call met(ray index, hit) for each surface, in the total order of Intersector::nearest_layers(). A ray ends if it
@@ -104,7 +104,7 @@ class SurfaceWalk {
 
   const model::Snapshot& snapshot_;
   const Intersector& intersector_;
-  const Cone cone_;
+  const AlphaCone cone_;
   const bool cull_;
   std::vector<OpenRay> open_;
   std::vector<Ray> rays_;

@@ -199,7 +199,8 @@ void expect_same(const SurfacePoint& a, const SurfacePoint& b) {
   EXPECT_TRUE(a.key == b.key && a.answer == b.answer);
 }
 
-void expect_lanes_as_single_hits(const HitScenario& scenario) {
+// `steps`: of the pixels, or null.
+void expect_lanes_as_single_hits(const HitScenario& scenario, const PixelSteps* steps = nullptr) {
   const ShadingScene& scene = *scenario.shading;
   std::vector<HitPlace> places;
   for (size_t i = 0; i < scenario.hits.size(); ++i)
@@ -209,13 +210,12 @@ void expect_lanes_as_single_hits(const HitScenario& scenario) {
   EXPECT_GT(count([](const model::Instance& i) { return i.mirrored; }), 3);
   EXPECT_EQ(count([](const model::Instance& i) { return i.sprites != 0; }), 1);
   for (const char* isa : kernel_sets()) {
-    std::vector<SurfacePoint> points;
-    append_surfaces(scene, shade_kernels(isa), places, points);
-    ASSERT_EQ(points.size(), places.size());
+    std::vector<SurfacePoint> points(places.size());
+    make_surfaces(scene, shade_kernels(isa), places, points.data(), steps);
     std::set<uint32_t> seen;  // the diffuse colour tells materials, texels and vertex colours apart
     for (size_t i = 0; i < points.size(); ++i) {
       SCOPED_TRACE(testing::Message() << isa << " hit " << i << " instance " << scenario.hits[i].instance);
-      expect_same(points[i], surface_point(scene, scenario.hits[i], scenario.rays[i], scenario.cones[i]));
+      expect_same(points[i], surface_point(scene, scenario.hits[i], scenario.rays[i], scenario.cones[i], steps));
       seen.insert(std::bit_cast<uint32_t>(points[i].surface.diffuse.x));
       if (testing::Test::HasFailure()) return;
     }
@@ -225,6 +225,11 @@ void expect_lanes_as_single_hits(const HitScenario& scenario) {
 
 TEST(HitSurfaces, in_lanes_are_those_of_single_hits_bit_for_bit) {
   expect_lanes_as_single_hits(HitScenario());
+}
+
+TEST(HitSurfaces, read_textures_by_the_steps_of_pixels_in_lanes_too) {
+  const PixelSteps steps{{1.1f, 0.1f, 0.2f}, {-0.1f, 0.9f, 0.3f}};
+  expect_lanes_as_single_hits(HitScenario(), &steps);
 }
 
 TEST(HitSurfaces, of_the_fixed_function_are_so_too) {
