@@ -2,7 +2,8 @@
 // counted in pieces, so that rows have the same bits everywhere. With P of N pieces a frame, everything has been traced
 // after K = ceil(N / P) frames. The first such turn replaces the old content; then each turn adds a sample position to
 // a view at rest, as each frame does without a budget. So the picture may converge K times more slowly, a turn later,
-// but must not be more wrong than that.
+// but must not be more wrong than that. The same holds in turns: a budget too short for any job traces one piece of one
+// job a frame, whatever the clock says.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -20,6 +21,8 @@ constexpr uint32_t width = 96, height = 54;  // with fewer pixels noise exceeds 
 constexpr uint32_t moving_frames = 8;  // duration of changes that move something
 constexpr uint32_t settled = 70;       // frames at rest after which a fully traced picture no longer changes
 constexpr std::array<uint32_t, 3> turns{2, 4, 8};  // number of turns after which pictures are compared
+constexpr float no_time = 0.001f;                  // milliseconds: too short for any job
+constexpr uint32_t jobs = 4;                       // masks, bounced light, reflections and layers
 
 // A room without a ceiling: floor and wall, a card under two lamps, a reflecting pane, smoke, a plant in the wind.
 struct World {
@@ -29,7 +32,8 @@ struct World {
   std::vector<sideray_light> lamps;
   glm::dmat4 world_from_camera{1.0};
   uint32_t width = 0, height = 0;
-  uint32_t pieces = 0;  // 0 = no budget
+  uint32_t pieces = 0;    // of each job in a frame; 0 = no such budget
+  bool in_turns = false;  // one piece of one job in a frame
   bool continues = true;
 };
 
@@ -66,9 +70,9 @@ sideray_light lamp_at(glm::dvec3 place, float intensity) {
   return lamp;
 }
 
-World world_of(uint32_t pieces) {
+World world_of(uint32_t pieces, bool in_turns = false) {
   World world;
-  world.width = width, world.height = height, world.pieces = pieces;
+  world.width = width, world.height = height, world.pieces = pieces, world.in_turns = in_turns;
   sideray_material_desc matt = sideray_material_defaults(), smooth = matt, glass = matt;
   matt.double_sided = smooth.double_sided = glass.double_sided = 1;
   smooth.roughness = 0.15f;
@@ -149,6 +153,7 @@ scenes::Image draw(StressStage& stage, World& world, uint32_t frame) {
   set_frame(options, frame, frame > 0 && world.continues);
   sideray_diagnostics diagnostics = sideray_diagnostics_defaults();
   diagnostics.budget_pieces = world.pieces;
+  options.picture.budget_ms = world.in_turns ? no_time : 0.0f;
   options.picture.diagnostics = &diagnostics;
   world.continues = true;
   return image_of(stage.renderer.render(world.scene, camera_at(world.world_from_camera, 50.0, 0.1), options).value());
@@ -179,42 +184,64 @@ Play play(StressStage& stage, World world, const Change& change, uint32_t frames
   return seen;
 }
 
+// A budget, and how many frames it takes to trace everything once.
+struct Limit {
+  const char* variant;
+  uint32_t pieces;
+  bool in_turns;
+  uint32_t frames(uint32_t all) const { return in_turns ? jobs * all : (all + pieces - 1) / pieces; }
+};
+
+std::vector<Limit> limits(const StressStage& stage, const Change& change) {
+  std::vector<Limit> found;
+  for (const double pieces : swept(stage, {1, 2}, {1}))
+    found.push_back({"--budget, in pieces", static_cast<uint32_t>(pieces), false});
+  // Turns take four times as many frames. Of the quick changes only the cut is drawn in turns.
+  if (!stage.quick || !change.keeps_past) found.push_back({"--budget, in turns", 0, true});
+  return found;
+}
+
+// Compares a change under each budget with the same change without one.
+void test_change(StressStage& stage, const Change& change, std::vector<StressRow>& rows) {
+  World ends = world_of(0);
+  for (uint32_t step = 0; step < change.frames; ++step) change.happen(ends, step);
+  const uint32_t all = (ends.width + tile - 1) / tile * ((ends.height + tile - 1) / tile);
+  const Play full = play(stage, world_of(0), change, 16, std::max(turns.back() * all + 1, settled));
+  const scenes::Image& truth = full.after.back();
+  for (const Limit& limit : limits(stage, change)) {
+    const bool is_brief = stage.quick && limit.in_turns;
+    const uint32_t slower = limit.frames(all), before = is_brief ? slower : 4 * slower;
+    const uint32_t most_turns = is_brief ? turns.front() : turns.back();
+    const Play budgeted = play(stage, world_of(limit.pieces, limit.in_turns), change, before, most_turns * slower + 1);
+    StressRow row;
+    row.name = "budget", row.variant = limit.variant, row.is_default = true;
+    row.parameters = {{"change", change.name}, {"pieces", std::max(limit.pieces, 1u)}, {"of", all}};
+    row.bound = visible;
+    const auto add = [&](const std::string& measure, double value) {
+      row.measure = measure, row.value = value;
+      rows.push_back(row);
+    };
+    if (change.keeps_past)
+      add("FLIP beyond that of the picture before, as it ends",
+          flip(budgeted.after[0], truth) - flip(full.before, truth));
+    add("FLIP beyond that of the frame in which it ends, after 1 turn",
+        flip(budgeted.after[slower], truth) - flip(budgeted.after[0], truth));
+    for (const uint32_t n : turns) {
+      if (n > most_turns) break;
+      double slow = 0;
+      for (size_t k = n - 2; k < full.after.size(); ++k) slow = std::max(slow, flip(full.after[k], truth));
+      add("FLIP beyond that of full tracing, as many times slower and a turn later, after " + std::to_string(n) + " turns",
+          flip(budgeted.after[n * slower], truth) - slow);
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<StressRow> budget_case(StressStage& stage) {
   std::vector<StressRow> rows;
-  const std::vector<double> pieces = swept(stage, {1, 2}, {1});
-  for (const Change& change : changes()) {
-    if (stage.quick && !change.is_quick) continue;
-    World ends = world_of(0);
-    for (uint32_t step = 0; step < change.frames; ++step) change.happen(ends, step);
-    const uint32_t all = (ends.width + tile - 1) / tile * ((ends.height + tile - 1) / tile);
-    const auto most_turns = static_cast<uint32_t>(turns.back());
-    const Play full = play(stage, world_of(0), change, 16, std::max(most_turns * all + 1, settled));
-    const scenes::Image& truth = full.after.back();
-    for (const double p : pieces) {
-      const auto slower = static_cast<uint32_t>(std::ceil(all / p));
-      const Play budgeted = play(stage, world_of(static_cast<uint32_t>(p)), change, 4 * slower, most_turns * slower + 1);
-      StressRow row;
-      row.name = "budget", row.variant = "--budget, in pieces", row.is_default = true;
-      row.parameters = {{"change", change.name}, {"pieces", p}, {"of", all}};
-      row.bound = visible;
-      const auto add = [&](const std::string& measure, double value) {
-        row.measure = measure, row.value = value;
-        rows.push_back(row);
-      };
-      if (change.keeps_past)
-        add("FLIP beyond that of the picture before, as it ends", flip(budgeted.after[0], truth) - flip(full.before, truth));
-      add("FLIP beyond that of the frame in which it ends, after 1 turn",
-          flip(budgeted.after[slower], truth) - flip(budgeted.after[0], truth));
-      for (const uint32_t n : turns) {
-        double slow = 0;
-        for (size_t k = n - 2; k < full.after.size(); ++k) slow = std::max(slow, flip(full.after[k], truth));
-        add("FLIP beyond that of full tracing, as many times slower and a turn later, after " + std::to_string(n) + " turns",
-            flip(budgeted.after[n * slower], truth) - slow);
-      }
-    }
-  }
+  for (const Change& change : changes())
+    if (!stage.quick || change.is_quick) test_change(stage, change, rows);
   return rows;
 }
 

@@ -4,11 +4,64 @@
 #include <array>
 #include <cmath>
 
+#include "rt/base/vectors.h"
+
 namespace sideray::rt {
 namespace {
 
 // Depth tolerance for the same surface, as a share of the depth: less than the step at an edge.
 constexpr float same_depth = 1.0f / 128.0f;
+
+// Holds where the pixels of a tile's row were in the previous frame.
+struct RowThen {
+  std::array<float, frame_tile_size> x, y, depth;     // depth: 0 = behind the camera, or no surface now
+  std::array<uint32_t, frame_tile_size> shows_other;  // 1: the nearest pixel showed another surface
+  glm::uvec2 least, most;                             // bounds of the pixels that showed the surface
+};
+
+struct PictureThen {
+  const std::vector<float>& depths;
+  uint32_t width, height;
+  glm::vec2 rounding;
+};
+
+// The loops of these two have no branches, so that they become vector code.
+SIDERAY_VECTORS void project(const TrailTerms& was, const float* depth, uint32_t first, uint32_t y, uint32_t count,
+                             RowThen& row) {
+  const auto down = static_cast<float>(y);
+  const glm::vec4 origin = was.origin + down * was.origin_y, ray = was.ray + down * was.ray_y;
+  const glm::vec4 origin_x = was.origin_x, ray_x = was.ray_x;
+  for (uint32_t i = 0; i < count; ++i) {
+    const auto column = static_cast<float>(first + i);
+    const float d = depth[i];
+    const float over = 1.0f / (origin.z + column * origin_x.z + d * (ray.z + column * ray_x.z));
+    row.x[i] = (origin.x + column * origin_x.x + d * (ray.x + column * ray_x.x)) * over;
+    row.y[i] = (origin.y + column * origin_x.y + d * (ray.y + column * ray_x.y)) * over;
+    const float then = origin.w + column * origin_x.w + d * (ray.w + column * ray_x.w);
+    row.depth[i] = over > 0.0f && d > 0.0f ? then : 0.0f;
+  }
+}
+
+SIDERAY_VECTORS void find(RowThen& row, uint32_t count, const PictureThen& then, uint32_t* from) {
+  const auto right = static_cast<float>(then.width - 1), top = static_cast<float>(then.height - 1);
+  const float rounding_x = then.rounding.x, rounding_y = then.rounding.y;
+  const float* depths = then.depths.data();
+  const auto width = static_cast<int32_t>(then.width);
+  int32_t least_x = INT32_MAX, least_y = INT32_MAX, most_x = 0, most_y = 0;
+  for (uint32_t i = 0; i < count; ++i) {
+    const float x = row.x[i], y = row.y[i], depth = row.depth[i];
+    const bool inside = (depth > 0.0f) & (x >= 0.0f) & (y >= 0.0f) & (x <= right) & (y <= top);
+    const auto u = static_cast<int32_t>(inside ? std::min(x + rounding_x, right) : 0.0f);
+    const auto v = static_cast<int32_t>(inside ? std::min(y + rounding_y, top) : 0.0f);
+    const int32_t at = v * width + u;
+    const bool shows = inside & (std::abs(depths[at] - depth) <= same_depth * depth);
+    from[i] = shows ? static_cast<uint32_t>(at) : PixelTrail::nowhere;
+    row.shows_other[i] = inside & !shows;
+    least_x = std::min(least_x, shows ? u : INT32_MAX), most_x = std::max(most_x, shows ? u : 0);
+    least_y = std::min(least_y, shows ? v : INT32_MAX), most_y = std::max(most_y, shows ? v : 0);
+  }
+  row.least = {least_x, least_y}, row.most = {most_x, most_y};
+}
 
 }  // namespace
 
@@ -83,49 +136,39 @@ void PixelTrail::look_back(size_t tile) {
   const auto x = static_cast<uint32_t>(tile % columns) * frame_tile_size,
              y = static_cast<uint32_t>(tile / columns) * frame_tile_size;
   const uint32_t across = std::min(frame_tile_size, width_ - x);
-  glm::ivec2 least(INT32_MAX), most(-1);
-  for (uint32_t row = y; row < std::min(y + frame_tile_size, height_); ++row) look_back(x, row, across, least, most);
-  tiles_from_[tile] = {glm::uvec2(1), glm::uvec2(0)};
-  if (most.x >= 0) tiles_from_[tile] = {glm::uvec2(least) / frame_tile_size, glm::uvec2(most) / frame_tile_size};
+  Tiles& found = tiles_from_[tile];
+  found = {glm::uvec2(UINT32_MAX), glm::uvec2(0)};
+  for (uint32_t row = y; row < std::min(y + frame_tile_size, height_); ++row) look_back(x, row, across, found);
+  found.first /= frame_tile_size, found.last /= frame_tile_size;
 }
 
-// Finds where pixels of a tile's row were, and extends `least` and `most` by these places.
-void PixelTrail::look_back(uint32_t x, uint32_t y, uint32_t count, glm::ivec2& least, glm::ivec2& most) {
+// Finds where pixels of a tile's row were, and extends the bounds in pixels by these places.
+void PixelTrail::look_back(uint32_t x, uint32_t y, uint32_t count, Tiles& found) {
   const size_t first = size_t{y} * width_ + x;
   const float* depth = &depth_[first];
   uint32_t* from = &from_[first];
+  const auto extend = [&](glm::uvec2 least, glm::uvec2 most) {
+    found.first = glm::min(found.first, least), found.last = glm::max(found.last, most);
+  };
   if (same_view_) {
     const float* then = &depth_before_[first];
     for (uint32_t i = 0; i < count; ++i)
       from[i] = ((std::abs(then[i] - depth[i]) <= same_depth * depth[i]) & (depth[i] > 0.0f))
                     ? static_cast<uint32_t>(first) + i
                     : nowhere;
-    least = glm::min(least, glm::ivec2(x, y)), most = glm::max(most, glm::ivec2(x + count - 1, y));
-    return;
+    return extend({x, y}, {x + count - 1, y});
   }
-  // This loop has no branches, so that it becomes vector code; the next one reads the pixels that it finds.
-  const auto row = static_cast<float>(y);
-  const glm::vec4 origin = was_.origin + row * was_.origin_y, ray = was_.ray + row * was_.ray_y;
-  std::array<float, frame_tile_size> at_x, at_y, expected;
+  RowThen row;
+  project(was_, depth, x, y, count, row);
+  find(row, count, {depth_before_, width_, height_, rounding_}, from);
   for (uint32_t i = 0; i < count; ++i) {
-    const auto column = static_cast<float>(x + i);
-    const float d = depth[i];
-    const float over = 1.0f / (origin.z + column * was_.origin_x.z + d * (ray.z + column * was_.ray_x.z));
-    at_x[i] = (origin.x + column * was_.origin_x.x + d * (ray.x + column * was_.ray_x.x)) * over;
-    at_y[i] = (origin.y + column * was_.origin_x.y + d * (ray.y + column * was_.ray_x.y)) * over;
-    const float then = origin.w + column * was_.origin_x.w + d * (ray.w + column * was_.ray_x.w);
-    expected[i] = over > 0.0f && d > 0.0f ? then : 0.0f;
+    if (!row.shows_other[i]) continue;
+    const glm::ivec2 near = search({row.x[i], row.y[i]}, row.depth[i]);
+    if (near.x < 0) continue;
+    from[i] = index(near);
+    extend(near, near);
   }
-  const auto right = static_cast<float>(width_ - 1), top = static_cast<float>(height_ - 1);
-  for (uint32_t i = 0; i < count; ++i) {
-    from[i] = nowhere;
-    if (!(expected[i] > 0.0f && at_x[i] >= 0.0f && at_y[i] >= 0.0f && at_x[i] <= right && at_y[i] <= top)) continue;
-    glm::ivec2 chosen(std::min(at_x[i] + rounding_.x, right), std::min(at_y[i] + rounding_.y, top));
-    if (!was_there(chosen, expected[i])) chosen = search({at_x[i], at_y[i]}, expected[i]);
-    if (chosen.x < 0) continue;
-    from[i] = index(chosen);
-    least = glm::min(least, chosen), most = glm::max(most, chosen);
-  }
+  extend(row.least, row.most);
 }
 
 }  // namespace sideray::rt

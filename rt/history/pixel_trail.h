@@ -15,6 +15,12 @@
 
 namespace sideray::rt {
 
+// Where surfaces were in the previous frame: clip coordinates in pixels and, in w, the depth. All are linear in depth, x
+// and y.
+struct TrailTerms {
+  glm::vec4 origin, origin_x, origin_y, ray, ray_x, ray_y;
+};
+
 class PixelTrail {
  public:
   static constexpr uint32_t nowhere = UINT32_MAX;
@@ -43,12 +49,9 @@ class PixelTrail {
   const Tiles& tiles_from(size_t tile) const { return tiles_from_[tile]; }
 
  private:
-  struct Terms {  // clip coordinates in pixels and, in w, the depth; all linear in depth, x and y
-    glm::vec4 origin, origin_x, origin_y, ray, ray_x, ray_y;
-  };
   void find_way();
   void look_back(size_t tile);
-  void look_back(uint32_t x, uint32_t y, uint32_t count, glm::ivec2& least, glm::ivec2& most);
+  void look_back(uint32_t x, uint32_t y, uint32_t count, Tiles& found);
   glm::ivec2 search(glm::vec2 at, float depth) const;
   bool was_there(glm::ivec2 at, float depth) const;
   uint32_t index(glm::ivec2 at) const { return static_cast<uint32_t>(at.y) * width_ + static_cast<uint32_t>(at.x); }
@@ -62,7 +65,7 @@ class PixelTrail {
   std::vector<float> depth_, depth_before_;
   std::vector<uint32_t> from_;
   std::vector<Tiles> tiles_from_;
-  Terms was_{};
+  TrailTerms was_{};
   glm::vec2 rounding_{0.5f};  // of reprojected positions; it varies, so that slow movement is not lost
 };
 

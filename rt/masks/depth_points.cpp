@@ -403,14 +403,14 @@ void DepthPoints::Single::gather(const MaskRequest& r, const ViewRays& view, uin
   }
 }
 
-DepthPoints::DepthPoints(const PointKernels& kernels)
-    : kernels_(&kernels), seen_(std::make_unique<SeenPixels>()), tile_(std::make_unique<PointTile>()) {}
+DepthPoints::DepthPoints(const PointKernels& kernels) : kernels_(&kernels) {}
 DepthPoints::~DepthPoints() = default;
 DepthPoints::DepthPoints(DepthPoints&&) noexcept = default;
 DepthPoints& DepthPoints::operator=(DepthPoints&&) noexcept = default;
 
 const PointTile& DepthPoints::gather_singly(const MaskRequest& r, const ViewRays& view, uint32_t x0, uint32_t y0) {
   if (!single_) single_ = std::make_unique<Single>();
+  if (!tile_) tile_ = std::make_unique<PointTile>();
   single_->gather(r, view, x0, y0, *tile_);
   if (r.shadow_bias > 0.0f) move_off(*tile_, r.shadow_bias);
   return *tile_;
@@ -459,6 +459,8 @@ void DepthPoints::rest(const MaskRequest& r, uint32_t x0, uint32_t y0) {
 
 const PointTile& DepthPoints::gather(const MaskRequest& r, const ViewRays& view, uint32_t x0, uint32_t y0) {
   if (!view.perspective() || !r.points.empty()) return gather_singly(r, view, x0, y0);
+  if (!seen_) seen_ = std::make_unique<SeenPixels>();
+  if (!tile_) tile_ = std::make_unique<PointTile>();
   const PointView terms = point_view(r, view);
   begin(*tile_, x0, y0);
   see(r, terms, x0, y0);

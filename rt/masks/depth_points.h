@@ -65,6 +65,7 @@ class DepthPoints {
   void rest(const MaskRequest& request, uint32_t x0, uint32_t y0);
 
   const PointKernels* kernels_;
+  // Allocated by the first gather(): under a budget many frames gather no points.
   std::unique_ptr<SeenPixels> seen_;
   std::unique_ptr<PointTile> tile_;
   std::unique_ptr<Single> single_;

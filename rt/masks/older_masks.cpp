@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "rt/base/pixels.h"
+#include "rt/base/vectors.h"
 #include "rt/masks/kept_masks.h"
 #include "rt/masks/mask_rays.h"
 
@@ -46,16 +47,37 @@ void count_row(std::span<const uint8_t> ages, const float* depths, Counters& cou
 // late; otherwise it is older if one mask is. Counters wrap, so a difference may be negative.
 void add_row(std::span<const uint8_t> sky, std::span<const uint8_t> lights, bool lights_are_new, const float* depths,
              Counters& counters) {
+  std::array<uint8_t, tile_side> shows;
+  for (size_t i = 0; i < sky.size(); ++i) shows[i] = depths[i] > 0.0f;
+  uint8_t late = 0, older = 0, most = 0;  // as in count_row()
   for (size_t i = 0; i < sky.size(); ++i) {
-    if (!(depths[i] > 0.0f) || lights[i] == OlderMasks::no_answer) continue;
-    if (sky[i] == OlderMasks::no_answer) {
-      ++counters.mask_pixels_late;
-      counters.mask_pixels_older -= !lights_are_new;
-      continue;
-    }
-    counters.mask_pixels_older += lights_are_new;
-    counters.answer_age = std::max<uint64_t>(counters.answer_age, sky[i]);
+    const auto lit = static_cast<uint8_t>(shows[i] & (lights[i] != OlderMasks::no_answer));
+    const auto known = static_cast<uint8_t>(lit & (sky[i] != OlderMasks::no_answer));
+    late = static_cast<uint8_t>(late + (lit - known));
+    older = static_cast<uint8_t>(older + known);
+    most = std::max(most, static_cast<uint8_t>(known * sky[i]));
   }
+  counters.mask_pixels_late += late;
+  if (lights_are_new) counters.mask_pixels_older += older;
+  else counters.mask_pixels_older -= late;
+  counters.answer_age = std::max<uint64_t>(counters.answer_age, most);
+}
+
+// Returns the age of what was `age` old in the previous frame, or no_answer if it expires.
+uint8_t grown_age(uint8_t age, uint8_t step) {
+  return age < OlderMasks::oldest ? static_cast<uint8_t>(age + step) : OlderMasks::no_answer;
+}
+
+// Removes an answer from the pixels that have no mask. Returns the bits that all pixels have.
+SIDERAY_VECTORS uint8_t remove_answer(uint8_t answer, const uint8_t* ages, size_t count, uint8_t* answers) {
+  const auto others = static_cast<uint8_t>(~answer);
+  uint8_t common = 255;
+  for (size_t i = 0; i < count; ++i) {
+    const auto left = static_cast<uint8_t>(answers[i] & (ages[i] == OlderMasks::no_answer ? others : 255));
+    answers[i] = left;
+    common &= left;
+  }
+  return common;
 }
 
 // Holds the bounds of a tile's pixels, clipped to the picture.
@@ -151,6 +173,7 @@ void OlderMasks::fit(const MaskRequest& r) {
     Kept& p = parts_[part];
     const bool any = part == of_lights ? light_masks_of(r) > 0 : r.ao_rays > 0;
     for (std::vector<uint8_t>& ages : p.ages) ages.resize(any ? size_t{r.width} * r.height : 0);
+    for (std::vector<uint8_t>& ages : p.tile_ages) ages.assign(tiles_of(r), various_ages);
     for (std::vector<Shade>& shades : p.shades) shades.clear();
     p.turns.assign(tiles_of(r), 0);
     p.unfiltered.assign(tiles_of(r), 0);
@@ -212,6 +235,7 @@ void OlderMasks::traced(const MaskRequest& r, Part part, size_t tile) {
   Kept& p = parts_[part];
   p.turns[tile] = number_;
   p.unfiltered[tile] = r.position_frames > 0;
+  p.tile_ages[now_][tile] = 0;
   if (part == of_sky) lacks_sky_[tile] = 0;
   for_rows(r, tile, [&](size_t first, uint32_t count) { std::fill_n(&p.ages[now_][first], count, uint8_t{0}); });
 }
@@ -257,16 +281,14 @@ void OlderMasks::tell_answers(const MaskRequest& r, Executor& executor, Occlusio
   masks.answers.resize(size_t{r.width} * r.height);
   std::atomic<bool> whole{true};
   executor.run(tile_count(r.height), [&](size_t row, uint32_t) {
-    const size_t first = row * tile_side * r.width, end = std::min(first + size_t{tile_side} * r.width, masks.answers.size());
-    uint8_t least = all;
-    for (size_t i = first; i < end; ++i) {  // without branches, for vector code
-      uint8_t answer = all;
-      if (!lights.empty()) answer &= lights[i] == no_answer ? uint8_t{OcclusionMasks::answer_of_sky} : all;
-      if (!sky.empty()) answer &= sky[i] == no_answer ? uint8_t{OcclusionMasks::answer_of_lights} : all;
-      masks.answers[i] = answer;
-      least &= answer;
-    }
-    if (least != all) whole = false;
+    const size_t first = row * tile_side * r.width;
+    const size_t count = std::min(size_t{tile_side} * r.width, masks.answers.size() - first);
+    uint8_t* answers = &masks.answers[first];
+    std::fill_n(answers, count, all);
+    uint8_t common = all;
+    if (!lights.empty()) common &= remove_answer(OcclusionMasks::answer_of_lights, &lights[first], count, answers);
+    if (!sky.empty()) common &= remove_answer(OcclusionMasks::answer_of_sky, &sky[first], count, answers);
+    if (common != all) whole = false;
   });
   if (whole) masks.answers.clear();
 }
@@ -303,25 +325,49 @@ bool OlderMasks::most_are_new() const {
   });
 }
 
-// Finds the ages of a tile's masks.
+void OlderMasks::Ages::fill_unknown() {
+  for (auto& row : of) row.fill(no_answer);
+  common = no_answer;
+  all_known = false, none_known = true;
+}
+
+// Returns the age that a tile's pixels have where they were in the previous frame, or various_ages.
+uint8_t OlderMasks::common_age_there(Part part, size_t tile) const {
+  const std::vector<uint8_t>& ages = parts_[part].tile_ages[trail_->same_view() ? now_ : 1 - now_];
+  const size_t columns = tile_count(request_.width);
+  const auto& [from, to] = trail_->tiles_from(tile);
+  if (from.x > to.x) return no_answer;
+  const uint8_t first = ages[from.y * columns + from.x];
+  for (uint32_t y = from.y; y <= to.y; ++y)
+    for (uint32_t x = from.x; x <= to.x; ++x)
+      if (ages[y * columns + x] != first) return various_ages;
+  return first;
+}
+
+// Finds the ages of a tile's masks. Most tiles come from tiles of one age.
 void OlderMasks::look_back(Part part, size_t tile, Ages& found) const {
+  const uint8_t step = changed_ ? 1 : 0, there = common_age_there(part, tile);
+  const uint8_t common = there == various_ages ? there : grown_age(there, step);
+  if (common == no_answer) return found.fill_unknown();
   const TilePixels t(request_, tile);
-  const Kept& p = parts_[part];
-  const std::vector<uint8_t>& ages = p.ages[trail_->same_view() ? now_ : 1 - now_];
+  const std::vector<uint8_t>& ages = parts_[part].ages[trail_->same_view() ? now_ : 1 - now_];
   const uint32_t count = t.x1 - t.x0;
-  const uint8_t step = changed_ ? 1 : 0;
   uint32_t known = 0;
   for (uint32_t y = t.y0; y < t.y1; ++y) {
     const uint32_t* from = trail_->from(t.x0, y);
     std::array<uint8_t, tile_side>& age = found.of[y - t.y0];
-    for (uint32_t i = 0; i < count; ++i) {
-      const uint8_t then = from[i] == PixelTrail::nowhere ? no_answer : ages[from[i]];
-      age[i] = then < oldest ? static_cast<uint8_t>(then + step) : no_answer;
-      known += then < oldest;
-    }
+    if (common == various_ages)
+      for (uint32_t i = 0; i < count; ++i)
+        age[i] = from[i] == PixelTrail::nowhere ? no_answer : grown_age(ages[from[i]], step);
+    else
+      for (uint32_t i = 0; i < count; ++i) age[i] = from[i] == PixelTrail::nowhere ? no_answer : common;
+    uint8_t in_row = 0;  // a byte suffices for a row, and vectorizes
+    for (uint32_t i = 0; i < count; ++i) in_row = static_cast<uint8_t>(in_row + (age[i] != no_answer));
+    known += in_row;
   }
   found.all_known = known == count * (t.y1 - t.y0);
   found.none_known = known == 0;
+  found.common = found.none_known ? no_answer : found.all_known ? common : various_ages;
 }
 
 // Returns what a plane of the previous frame holds at the reprojected places of a tile's pixels.
@@ -397,26 +443,31 @@ void OlderMasks::take_samples(const MaskRequest& r, size_t tile, Ages& found, Oc
   lacks_sky_[tile] = 0;
   if (found.all_known) return;
   const TilePixels t(r, tile);
+  if (!coarse_sky_.knows(tile)) {
+    uint32_t lacking = 0, shown = 0;
+    for_rows(r, tile, [&](size_t first, uint32_t count) {
+      const uint8_t* ages = found.of[first / r.width - t.y0].data();
+      const float* depth = &depths()[first];
+      for (uint32_t i = 0; i < count; ++i) {
+        shown += depth[i] > 0.0f;
+        lacking += (depth[i] > 0.0f) & (ages[i] == no_answer);
+      }
+    });
+    lacks_sky_[tile] = 2 * lacking > shown;
+    return;
+  }
   const size_t pixels = size_t{r.width} * r.height;
-  uint32_t lacking = 0, shown = 0;
   for (uint32_t y = t.y0; y < t.y1; ++y)
     for (uint32_t x = t.x0; x < t.x1; ++x) {
       const size_t pixel = size_t{y} * r.width + x;
       uint8_t& age = found.of[y - t.y0][x - t.x0];
-      if (!(depths()[pixel] > 0.0f)) continue;
-      ++shown;
-      if (age != no_answer) continue;
-      if (!coarse_sky_.knows(tile)) {
-        ++lacking;
-        continue;
-      }
+      if (!(depths()[pixel] > 0.0f) || age != no_answer) continue;
       const SkyShare share = coarse_sky_.at(tile, x, y, depths());
       masks.open[pixel] = share.open;
       if (r.unhidden_sky) masks.lit[light_masks_of(r) * pixels + pixel] = share.unhidden;
       age = 0;
     }
-  lacks_sky_[tile] = 2 * lacking > shown;
-  if (!coarse_sky_.knows(tile)) return;
+  found.common = various_ages;
   std::vector<Shade>& shades = parts_[of_sky].shades[now_];
   for (size_t i = tile; i < shades.size(); i += tiles_of(r)) shades[i] = mixed;
 }
@@ -432,14 +483,15 @@ void OlderMasks::leave(const MaskRequest& r, Part part, size_t tile, OcclusionMa
   } else {
     const std::vector<Shade>& shades = parts_[part].shades[now_];
     for (size_t i = tile; i < shades.size(); i += tiles_of(r)) parts_[part].shades[now_][i] = all_lit;
-    for (auto& ages : found.of) ages.fill(no_answer);
-    found.all_known = false;
+    found.fill_unknown();
   }
   if (part == of_sky) take_samples(r, tile, found, masks);
+  const uint8_t before = std::exchange(parts_[part].tile_ages[now_][tile], found.common);
+  const bool stays = before == found.common && before != various_ages;
   const uint32_t y0 = TilePixels(r, tile).y0;
   for_rows(r, tile, [&](size_t first, uint32_t count) {
     const auto& ages = found.of[first / r.width - y0];
-    std::copy_n(ages.begin(), count, &parts_[part].ages[now_][first]);
+    if (!stays) std::copy_n(ages.begin(), count, &parts_[part].ages[now_][first]);
     if (counts)
       count_row({ages.data(), count}, &depths()[first], counters);
     else

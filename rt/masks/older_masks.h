@@ -78,6 +78,7 @@ class OlderMasks {
     std::vector<Shade> shades[2];  // of each plane's tiles, in this frame and the previous one
     std::vector<uint8_t> then;     // mixed tiles of the previous frame if the view has moved, layer-major
     std::vector<uint8_t> ages[2];  // of the pixels of this frame and the previous one, or no_answer
+    std::vector<uint8_t> tile_ages[2];  // what all of a tile's pixels have in `ages`, or various_ages
     std::vector<uint32_t> turns;
     std::vector<uint8_t> unfiltered;  // by tile: its masks are not filtered yet
     bool ended = false;
@@ -85,12 +86,16 @@ class OlderMasks {
   // Holds the ages of the history of a tile's pixels, row by row.
   struct Ages {
     std::array<std::array<uint8_t, frame_tile_size>, frame_tile_size> of;
+    uint8_t common;  // as tile_ages
     bool all_known, none_known;
+    void fill_unknown();
   };
+  static constexpr uint8_t various_ages = 254;
 
   bool follows(const MaskRequest& request, const model::Snapshot& snapshot) const;
   void fit(const MaskRequest& request);
   void keep_mixed(const MaskRequest& request, Part part, const OcclusionMasks& masks, Executor& executor);
+  uint8_t common_age_there(Part part, size_t tile) const;
   void look_back(Part part, size_t tile, Ages& found) const;
   Shade shade_there(Part part, uint32_t plane, size_t tile, const Ages& found) const;
   bool were_mixed(Part part, uint32_t plane, size_t tile) const;

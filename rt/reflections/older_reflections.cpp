@@ -1,6 +1,7 @@
 #include "rt/reflections/older_reflections.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "rt/base/pixels.h"
@@ -61,30 +62,47 @@ void OlderReflections::traced(size_t tile) {
   });
 }
 
+// Returns whether a tile's pixels may have shown a reflection in the previous frame.
+bool OlderReflections::has_past(size_t tile) const {
+  if (!moves_) return false;
+  const size_t columns = tile_count(width_);
+  const auto& [from, to] = trail_->tiles_from(tile);
+  for (uint32_t y = from.y; y <= to.y; ++y)
+    for (uint32_t x = from.x; x <= to.x; ++x)
+      if (!empty_then_[y * columns + x]) return true;
+  return false;
+}
+
 void OlderReflections::leave(const ReflectionRequest& r, size_t tile, ReflectionImage& image, Counters& counters) {
-  bool may_mirror = false;
-  for_rows(tile, [&](uint32_t x, uint32_t y, uint32_t count) {
-    may_mirror = may_mirror || r.normals.any_below(size_t{y} * width_ + x, count, r.max_roughness);
-  });
-  if (!may_mirror) return empty(tile, image);  // as most tiles are
-  empty_[tile] = 0;
+  const bool has_past = this->has_past(tile);
+  if (!has_past) empty(tile, image);
+  uint32_t mirrors = 0, older = 0;
+  uint8_t most = 0;
   for_rows(tile, [&](uint32_t x, uint32_t y, uint32_t count) {
     const size_t first = size_t{y} * width_ + x;
+    std::array<uint8_t, frame_tile_size> reflects{};  // as few pixels do
+    if (r.normals.any_below(first, count, r.max_roughness))
+      for (uint32_t i = 0; i < count; ++i)
+        reflects[i] = trail_->depths()[first + i] > 0.0f &&
+                      reflection_share(r.normals.roughness(first + i), r.max_roughness) > 0.0f;
+    for (uint32_t i = 0; i < count; ++i) mirrors += reflects[i];
+    if (!has_past) return;
     const uint32_t* from = trail_->from(x, y);
     for (uint32_t i = 0; i < count; ++i) {
-      const size_t texel = first + i, then = moves_ ? from[i] : PixelTrail::nowhere;
-      const bool mirrors =
-          trail_->depths()[texel] > 0.0f && reflection_share(r.normals.roughness(texel), r.max_roughness) > 0.0f;
-      const bool shows =
-          mirrors && then != PixelTrail::nowhere && ages_then_[then] < oldest && then_[4 * then + 3] != 0;
-      ages_[texel] = shows ? static_cast<uint8_t>(ages_then_[then] + 1) : no_answer;
-      for (size_t c = 0; c < 4; ++c) image.radiance[4 * texel + c] = shows ? then_[4 * then + c] : uint16_t{0};
-      counters.reflection_pixels_older += shows;
-      counters.reflection_pixels_late += mirrors && !shows;
-      if (shows) counters.answer_age = std::max<uint64_t>(counters.answer_age, ages_[texel]);
-      if (mirrors) counters.frames_waiting = std::max<uint64_t>(counters.frames_waiting, number_ - turns_[tile]);
+      const uint32_t then = reflects[i] ? from[i] : PixelTrail::nowhere;
+      const bool shows = then != PixelTrail::nowhere && ages_then_[then] < oldest && then_[size_t{4} * then + 3] != 0;
+      ages_[first + i] = shows ? static_cast<uint8_t>(ages_then_[then] + 1) : no_answer;
+      if (shows) std::copy_n(&then_[size_t{4} * then], 4, &image.radiance[4 * (first + i)]);
+      else std::fill_n(&image.radiance[4 * (first + i)], 4, uint16_t{0});
+      older += shows;
+      most = std::max(most, shows ? ages_[first + i] : uint8_t{0});
     }
   });
+  empty_[tile] = older == 0;
+  counters.reflection_pixels_older += older;
+  counters.reflection_pixels_late += mirrors - older;
+  counters.answer_age = std::max<uint64_t>(counters.answer_age, most);
+  if (mirrors > 0) counters.frames_waiting = std::max<uint64_t>(counters.frames_waiting, number_ - turns_[tile]);
 }
 
 void OlderReflections::empty(size_t tile, ReflectionImage& image) {

@@ -40,6 +40,7 @@ class OlderReflections {
 
  private:
   bool follows(const ReflectionRequest& request, const model::Snapshot& committed) const;
+  bool has_past(size_t tile) const;
   void empty(size_t tile, ReflectionImage& image);
   template <typename Work>
   void for_rows(size_t tile, const Work& work) const;
