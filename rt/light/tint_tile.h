@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "rt/points/point_tile.h"
 #include "rt/light/straight_light.h"
+#include "rt/points/point_kernels.h"
 
 namespace sideray::rt {
 
@@ -27,9 +27,9 @@ struct TileLight {
   RayColumns rays;
   const uint16_t* pixels;  // the index of each ray's pixel in the tile
   const uint8_t* blocked;  // 1: the ray has an opaque occluder
-  // Tints are filtered later: where neighbours differ, every other pixel is traced, and the others in the next frame.
-  bool filtered;
-  uint32_t seed;
+  const uint32_t* orders;  // SampleKeys::order of the points on the light
+  const RayLight* to;      // null: the rays lead to several lights
+  bool filtered;  // the tints are filtered later, so fewer pixels suffice
 };
 
 // Has scratch memory: one object per thread.
@@ -45,8 +45,11 @@ class TileTints {
  private:
   class Blocks;
 
-  // Follows the rays in chosen_.
-  void follow(const TileLight& light, Blocks& blocks);
+  void rank_pixels(const uint32_t* orders);
+  // Follows the unblocked rays whose pixel is wanted.
+  template <typename Wanted>
+  void follow(const TileLight& light, Blocks& blocks, const Wanted& wanted);
+  void note(const TileLight& light, size_t ray, Blocks& blocks);
   void fill_between(uint32_t pixel);
   void fill_shadows(const TileLight& light);
 
@@ -54,6 +57,7 @@ class TileTints {
   std::vector<Ray> clear_, chosen_;  // rays without an opaque occluder; rays that are followed
   std::vector<uint32_t> of_clear_, of_chosen_;  // their pixels
   std::array<uint8_t, point_tile_pixels> known_{};  // row by row: 1 = the pixel's ray was followed
+  std::array<uint8_t, point_tile_pixels> ranks_{};  // row by row: the order in which rays are followed
   TintTile* tint_ = nullptr;                        // null: nothing is tinted so far
 };
 

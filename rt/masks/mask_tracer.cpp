@@ -261,14 +261,16 @@ bool MaskTracer::darken(const PointTile& points, uint32_t layer, size_t tile, Wo
 }
 
 void MaskTracer::pass_glass(uint32_t layer, size_t tile, Worker& w) const {
+  const TileSamples samples(random_of(layer), tile_x(tile), tile_y(tile));
   w.tints.begin(shading_, intersector_);
   w.counters.rays_shadow += w.tints.trace({.layer = layer,
                                            .tile = static_cast<uint32_t>(tile),
                                            .rays = w.rays.columns(),
                                            .pixels = w.rays.pixels(),
                                            .blocked = w.occluded.data(),
-                                           .filtered = request_.filters && layers_[layer].filtered,
-                                           .seed = request_.seed});
+                                           .orders = samples.keys().order,
+                                           .to = is_combined(layer) ? nullptr : &layers_[layer].rays,
+                                           .filtered = request_.filters && layers_[layer].filtered});
 }
 
 RayRandom MaskTracer::random_of(uint32_t layer) const {

@@ -195,7 +195,7 @@ TEST_F(CombinedMask, TintsAreWeightedByWhatLightsAdd) {
     }
   }
   EXPECT_GT(tinted, 300u);
-  EXPECT_LE(beyond, 1u) << "beyond four standard errors";
+  EXPECT_LE(beyond, 3u) << "beyond four standard errors, where glass tints only the corner of a block";
   EXPECT_LT(std::abs(off), 0.003);
 }
 

@@ -132,6 +132,39 @@ TEST_F(TintMasks, BehindNearGlassABulbLeavesFewDots) {
   EXPECT_LT(dots(filtered), pixels / 50);
 }
 
+// Returns the mean of a tint's green in each of 4x4 parts of the picture.
+std::vector<double> means_of_parts(const OcclusionMasks& masks) {
+  std::vector<double> means(16);
+  const auto plane = masks.tint_plane(1, 1);
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < width; ++x)
+      means[y * 4 / height * 4 + x * 4 / width] += plane[size_t{y} * width + x] / (width * height / 16.0);
+  return means;
+}
+
+// A lamp beside a pane that half of the rays to it pass. The penumbra is wider than the picture.
+TEST_F(TintMasks, InWidePenumbraeComeFromAQuarterOfTheRays) {
+  TestScene scene;
+  scene.quad({0, 0, 0}, {20, 0, 0}, {0, 0, 20}, plain_material());
+  scene.quad({4, 7.95f, 0}, {4, 0, 0}, {0, 0, 4}, blended(glm::vec3(0.4f), 0.6f));
+  scene.quad({-4, 7.95f, 0}, {0, 0, 0.1f}, {0.1f, 0, 0}, blended(glm::vec3(0.4f), 0.6f));  // all rays come near glass
+  sideray_light lamp = point_light({0, 8, 0}, 64.0f);
+  lamp.radius = 0.04f;
+  scene.lights({lamp});
+  tracer_.set_scene(scene.commit());
+  constexpr uint64_t pixels = uint64_t{width} * height;
+  MaskFilters filters;
+  MaskRequest r = request();
+  r.filters = &filters;
+  OcclusionMasks filtered, raw;
+  EXPECT_LT(tracer_.trace_masks(r, filtered).rays_shadow, pixels + pixels * 3 / 10);
+  r.filters = nullptr;
+  EXPECT_GT(tracer_.trace_masks(r, raw).rays_shadow, pixels + pixels * 9 / 10);
+  ASSERT_EQ(raw.tints, 1u);
+  const std::vector<double> expected = means_of_parts(raw), found = means_of_parts(filtered);
+  for (size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(found[i], expected[i], 8.0) << "part " << i;
+}
+
 TEST_F(TintMasks, AreWhatRaysOfTheirOwnSay) {
   const OcclusionMasks masks = fresh();
   ASSERT_EQ(masks.tints, 1u);
