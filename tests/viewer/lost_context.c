@@ -2,6 +2,8 @@
  *
  *   SIDERAY_LOSE_WINDOW=FILE    the context in which pictures are shown (GLX)
  *   SIDERAY_LOSE_RENDERER=FILE  the next context in which pictures are drawn (EGL); the file is removed
+ *   SIDERAY_HANG_WINDOW=FILE    calls of the first do not return
+ *   SIDERAY_HANG_RENDERER=FILE  calls of the second do not return
  *
  * Software drivers never lose a context, so the library makes glGetGraphicsResetStatus() report a reset. With
  * SIDERAY_LOSE_BY_FAULT, on an NVIDIA GPU, a shader writes to an unmapped address, and the driver's own answer is
@@ -65,12 +67,19 @@ static unsigned lose(find_function find) {
   return status ? status : lose_by_fault(find, faults[1]);
 }
 
+static void hang_if(const char* variable) {
+  const char* file = getenv(variable);
+  while (file && access(file, F_OK) == 0) pause();
+}
+
 static unsigned status_of_window(void) {
+  hang_if("SIDERAY_HANG_WINDOW");
   const char* file = getenv("SIDERAY_LOSE_WINDOW");
   return file && access(file, F_OK) == 0 ? lose(of_window) : 0;
 }
 
 static unsigned status_of_renderer(void) {
+  hang_if("SIDERAY_HANG_RENDERER");
   const char* file = getenv("SIDERAY_LOSE_RENDERER");
   return file && unlink(file) == 0 ? lose(of_renderer) : 0;
 }

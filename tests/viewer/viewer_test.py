@@ -28,7 +28,7 @@ needs_lost_context = unittest.skipUnless(LOST_CONTEXT, "the library that loses c
 SCREEN = (1000, 600)
 PANEL = 380
 # Middles of the panel's rows, in pixels below its top.
-ROWS = {"shows": 169, "camera": 194, "variant": 219}
+ROWS = {"shows": 169, "camera": 194, "variant": 219, "quality": 224, "translucency": 249, "layers": 274}
 CHART_ABOVE_END = 78  # the button that makes a chart, above the end of the panel
 
 
@@ -110,8 +110,12 @@ class Viewer(unittest.TestCase):
 
     def choose(self, row, item, left):
         """Opens a list of the panel, which begins at `left`, and chooses the item of that number."""
-        self.client.click(left + 100, ROWS[row], seconds=0.2)
-        self.client.click(left + 100, ROWS[row] + 25 + 19 * item, seconds=0.2)
+        below = (left + 140, ROWS[row] + 15, left + 230, ROWS[row] + 40)
+        closed = self.display.screen(below)
+        self.client.click(left + 180, ROWS[row], seconds=0.2)
+        self.wait_until(lambda: self.display.screen(below) != closed, f"the list of {row} does not open")
+        time.sleep(0.3)
+        self.client.click(left + 180, ROWS[row] + 25 + 19 * item, seconds=0.2)
 
     def color(self, x, y):
         """Red, green and blue on the screen."""
@@ -367,6 +371,33 @@ class Viewer(unittest.TestCase):
         self.assertEqual(png_rows(saved), png_rows(self.folder / "render.png"))
         self.close()
 
+    def help_of(self, row, left):
+        """What stands beside the panel while the mouse is on the row's name: (the pixels, whether some have the colour of a reason)."""
+        beside = (0, 150, left, 350)
+        self.client.move(left + 200, 400)
+        time.sleep(0.3)
+        without = self.display.screen(beside)
+        self.client.move(left + 20, ROWS[row])
+        self.wait_until(lambda: self.display.screen(beside) != without, f"{row} has no help")
+        time.sleep(0.3)
+        pixels = self.display.screen(beside)
+        colors = {(pixels[i + 2], pixels[i + 1], pixels[i]) for i in range(0, len(pixels), 4)}
+        return pixels, any(red > 220 and 165 < green < 195 and 90 < blue < 110 for red, green, blue in colors)
+
+    def test_the_mouse_on_an_option_shows_its_help_and_why_it_is_grey(self):
+        self.open("panes", "400x450", "--translucency", "raster")
+        self.wait_for("64/64")
+        helps = {row: self.help_of(row, 400) for row in ("quality", "translucency", "layers")}
+        self.assertEqual(len({pixels for pixels, _ in helps.values()}), 3, "options have the same help")
+        self.assertEqual([row for row, (_, has_reason) in helps.items() if has_reason], ["layers"])
+        grey = self.display.screen((400, 250, 780, 300))
+        self.client.click(400 + 180, ROWS["layers"])
+        time.sleep(0.5)
+        self.client.move(420, ROWS["layers"])
+        time.sleep(0.3)
+        self.assertEqual(self.display.screen((400, 250, 780, 300)), grey, "a grey option takes input")
+        self.close()
+
     def test_the_age_of_answers_is_shown_and_the_pixel_inspected(self):
         self.open("panes", "120x600")
         self.wait_for("picture")
@@ -432,6 +463,20 @@ class Viewer(unittest.TestCase):
         self.open("panes", LD_PRELOAD=str(LOST_CONTEXT), SIDERAY_LOSE_WINDOW=str(lost))
         self.wait_for("64/64")
         self.go_on(*self.lose(lambda: (lost.touch(), self.client.move(90, 70)), "its OpenGL context was reset"))
+
+    @needs_lost_context
+    def test_a_lost_window_ends_although_a_picture_does_not(self):
+        lost, hang = self.folder / "lost", self.folder / "hang"
+        self.open("panes", "160x90", "--gl", "egl", LD_PRELOAD=str(LOST_CONTEXT), SIDERAY_LOSE_WINDOW=str(lost),
+                  SIDERAY_HANG_RENDERER=str(hang))
+        self.wait_for("64/64")
+        hang.touch()
+        self.client.press("f")
+        self.wait_for(" 0/64")
+        lost.touch()
+        self.client.move(90, 70)
+        self.assertEqual(self.window.wait(5), 1)
+        self.assertIn("its OpenGL context was reset", self.window.stderr.read())
 
     @needs_lost_context
     def test_a_renderer_whose_context_is_lost_is_made_anew(self):

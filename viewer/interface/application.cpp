@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <thread>
+#include <utility>
 
 #include "scenes/base/files.h"
 #include "scenes/images/images.h"
@@ -22,6 +23,7 @@ constexpr double rest_s = 0.15;    // a camera that has not moved for this time 
 constexpr double watch_s = 1.0;    // between checks of the files
 constexpr double blink_s = 0.5;
 constexpr double tick_s = 1.0 / 60;
+constexpr std::chrono::milliseconds most_time_of_driver{30'000};  // for one frame of the window, and for its end
 constexpr float least_picture_width = 64;  // narrower windows have no panel
 
 SceneSource source_of(const Arguments& arguments) {
@@ -54,15 +56,18 @@ std::string free_name(const std::string& scene) {
 }  // namespace
 
 Application::Application(const Arguments& arguments, const std::string& program)
-    : arguments_(arguments),
+    : chart_(program),
+      watchdog_(most_time_of_driver, [this] { end_without_driver(); }),
+      watch_(std::in_place, watchdog_),
+      arguments_(arguments),
       window_(window_size(arguments)[0], window_size(arguments)[1],
               {[this](int key, bool with_control) { press(key, with_control); },
                [this](const std::vector<std::string>& paths) { drop(paths); }, [this] { end_without_display(); }}),
       machine_(arguments),
-      loader_(Window::wake),
-      chart_(program) {
+      loader_(Window::wake) {
   start(arguments);
   drawer_.emplace(machine_, Window::wake);
+  watch_.reset();
 }
 
 void Application::start(const Arguments& arguments) {
@@ -118,6 +123,15 @@ void Application::take_scene() {
   }
   is_first_scene_ = false;
   state_.touch();
+}
+
+void Application::take_chart() {
+  const std::optional<ChartTask::News> news = chart_.poll();
+  if (!news) return;
+  if (news->is_error)
+    state_.complain(news->text);
+  else
+    state_.say(news->text);
 }
 
 // Shows the first view that the command line names.
@@ -219,7 +233,7 @@ void Application::update() {
   if (command_key_ > 0 && !window_.is_down(command_key_)) command_key_ = 0;
   take_variant();
   take_scene();
-  if (const std::string ended = chart_.poll(); !ended.empty()) state_.say(ended);
+  take_chart();
   const double now = glfwGetTime();
   fly(now - last_loop_);
   last_loop_ = now;
@@ -243,14 +257,17 @@ void Application::update() {
 
 void Application::draw(const Drawer::Shown& shown) {
   Wish wish = Wish::nothing;
+  way_back_ = way_back();
+  watch_.emplace(watchdog_);
   window_.draw([&] {
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     const bool has_panel = state_.has_panel && size.x > panel_width + least_picture_width;
     state_.is_panel_seen = has_panel;
     width_ = size.x - (has_panel ? panel_width : 0), height_ = size.y;
-    pictures_.draw(state_, shown, {width_, height_}, window_.pixels_per_unit());
-    if (has_panel) wish = panel_.draw(state_, shown, loader_.is_loading(), chart_.is_running(), width_, height_);
+    pictures_.draw(state_, shown, {width_, height_});
+    if (has_panel) wish = panel_.draw(state_, shown, {width_, height_}, {loader_.is_loading(), chart_.is_running()});
   });
+  watch_.reset();
   grant(wish, shown);
 }
 
@@ -283,7 +300,7 @@ void Application::grant(Wish wish, const Drawer::Shown& shown) {
                                "--samples", fmt::format("{}", still_positions), "-o", "picture.png"});
     const std::string line = line_of(words);
     window_.copy_text(line);
-    state_.say(line);
+    state_.say("copied: " + line);
   } catch (const std::exception& error) {
     state_.complain(error.what());
   }
@@ -325,19 +342,33 @@ std::string Application::way_back() const {
   return "go on with: " + line_of(words);
 }
 
-// Ends the program: Xlib does not return to it after its display is gone.
-void Application::end_without_display() {
-  fmt::print(stderr, "sideray: window: its display is gone; {}\n", way_back());
+// Ends the program at once, with code 1 and one line. Threads and contexts are left to the system: what they wait for
+// may never come.
+void Application::end_with(const std::string& cause) {
+  fmt::print(stderr, "sideray: {}; {}\n", cause, way_back_);
   chart_.stop();
   std::_Exit(EXIT_FAILURE);
+}
+
+// Xlib does not return to the program after its display is gone.
+void Application::end_without_display() {
+  if (!watch_) way_back_ = way_back();
+  end_with("window: its display is gone");
+}
+
+// Called by the watchdog, while the main thread waits for the driver.
+void Application::end_without_driver() {
+  end_with(fmt::format("window: its display or OpenGL has not answered for {} s", most_time_of_driver.count() / 1000));
 }
 
 void Application::run() {
   try {
     loop();
-  } catch (const ContextLost& lost) {
-    scenes::refuse("{}; {}", lost.what(), way_back());
+  } catch (const std::exception& failure) {
+    if (!watch_) way_back_ = way_back();
+    end_with(failure.what());
   }
+  watch_.emplace(watchdog_);
   window_.hide();
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "viewer/base/arguments.h"
+#include "viewer/base/watchdog.h"
 #include "viewer/interface/chart_task.h"
 #include "viewer/interface/loader.h"
 #include "viewer/interface/panel.h"
@@ -17,7 +18,7 @@ class Application {
  public:
   // `program` is the path of sideray, which draws charts. Throws Error where no window can be opened.
   Application(const Arguments& arguments, const std::string& program);
-  // Runs until the window is closed. Throws Error where its OpenGL context is lost.
+  // Runs until the window is closed. Ends the program with code 1 if its display or its OpenGL context is lost.
   void run();
   // Waits until drawing and loading end, which cannot be interrupted. Returns false after `seconds`.
   bool ends_within(double seconds);
@@ -29,6 +30,7 @@ class Application {
   SceneSource wanted_source() const;
   void take_variant();
   void take_scene();
+  void take_chart();
   void take_first_view();
   void fly(double seconds);
   void play();
@@ -40,17 +42,22 @@ class Application {
   void watch();
   void loop();
   std::string way_back() const;
+  [[noreturn]] void end_with(const std::string& cause);
   [[noreturn]] void end_without_display();
+  [[noreturn]] void end_without_driver();
   double seconds_to_wait() const;
   bool flies(int key) const;
   bool is_flying() const;
   std::string title(const Drawer::Shown& shown) const;
 
+  std::string way_back_ = "start it again";  // not changed while `watch_` is set
+  ChartTask chart_;
+  Watchdog watchdog_;
+  std::optional<Watchdog::Watch> watch_;  // set while the main thread waits for the driver, also at the end
   Arguments arguments_;
   Window window_;
   Machine machine_;
   Loader loader_;
-  ChartTask chart_;
   State state_;
   PictureArea pictures_;
   Panel panel_;

@@ -3,12 +3,18 @@
 #include <algorithm>
 #include <cstring>
 #include <utility>
-#include <vector>
+
+#include "viewer/interface/rows.h"
 
 namespace sideray::viewer {
 namespace {
 
 const std::string unchanged = "\n";
+const std::string most_used = "Most used";  // the group without a title
+
+struct Change {
+  std::string option, value;  // value "": the default
+};
 
 std::vector<std::string> choices_of(const sideray_option& row) {
   if (row.type == SIDERAY_OPTION_FLAG) return {"false", "true"};
@@ -44,15 +50,56 @@ std::string reason_of(const sideray_option& row, const Options& options, const s
   return "";
 }
 
-void explain(const sideray_option& row, const std::string& reason) {
-  ImGui::BeginTooltip();
-  ImGui::PushTextWrapPos(360);
-  ImGui::Text("--%s", row.name);
-  ImGui::TextUnformatted(row.help);
-  if (*row.default_value) ImGui::TextDisabled("default: %s", row.default_value);
-  if (!reason.empty()) ImGui::TextColored({1.0f, 0.75f, 0.4f, 1.0f}, "left out: %s", reason.c_str());
-  ImGui::PopTextWrapPos();
-  ImGui::EndTooltip();
+void show_help(const sideray_option& row, const std::string& reason) {
+  show_beside_panel([&] {
+    ImGui::TextColored(blue, "--%s", row.name);
+    ImGui::TextUnformatted(row.help);
+    if (*row.default_value) ImGui::TextDisabled("default: %s", row.default_value);
+    if (!reason.empty()) ImGui::TextColored(warm, "left out: %s", reason.c_str());
+  });
+}
+
+// Returns the titles of the groups in the order of the table, except that diagnostics are last.
+std::vector<std::string> titles_of_groups() {
+  std::vector<std::string> titles{most_used};
+  for (const bool is_diagnostic : {false, true})
+    for (size_t i = 0; i < sideray_option_count(); ++i) {
+      const sideray_option& row = *sideray_option_at(i);
+      if ((row.diagnostic != 0) == is_diagnostic && std::find(titles.begin(), titles.end(), row.group) == titles.end())
+        titles.emplace_back(row.group);
+    }
+  return titles;
+}
+
+std::vector<const sideray_option*> rows_of(const std::string& group) {
+  std::vector<const sideray_option*> rows;
+  for (size_t i = 0; i < sideray_option_count(); ++i)
+    if (const sideray_option& row = *sideray_option_at(i); row.group == group && is_shown(row)) rows.push_back(&row);
+  return rows;
+}
+
+// Gives an option its new value. Returns false if that contradicts another option, and `message` says which.
+bool apply(const Change& change, Options& options, std::string& message) {
+  try {
+    Options trial = options;
+    trial.set(change.option, change.value);
+    trial.require_consistent();
+    options = std::move(trial);
+    message.clear();
+    return true;
+  } catch (const Error& error) {
+    message = error.what();
+    return false;
+  }
+}
+
+// Draws a group's title, blue if one of its options is set. Returns whether the group is open.
+bool draw_title(const std::string& group, const std::vector<const sideray_option*>& rows, const Options& options) {
+  const bool is_set = std::any_of(rows.begin(), rows.end(), [&](const sideray_option* row) { return options.is_set(row->name); });
+  ImGui::PushStyleColor(ImGuiCol_Text, is_set ? blue : ImGui::GetStyleColorVec4(ImGuiCol_Text));
+  const bool opens = is_open(group.c_str());
+  ImGui::PopStyleColor();
+  return opens;
 }
 
 }  // namespace
@@ -92,67 +139,36 @@ std::string OptionPanel::write(const sideray_option& row, const Options& options
   return result == options[row.name] ? unchanged : result;
 }
 
+// Returns the value that the user gives the option; empty: none.
 std::optional<std::string> OptionPanel::draw_row(const sideray_option& row, const Options& options) {
   const auto reason = reasons_.find(row.name);
-  const bool is_idle = reason != reasons_.end();
+  const bool is_idle = reason != reasons_.end(), is_set = options.is_set(row.name);
+  const bool is_list = row.type == SIDERAY_OPTION_CHOICE || row.type == SIDERAY_OPTION_SWITCH || row.type == SIDERAY_OPTION_FLAG;
   ImGui::PushID(row.name);
   ImGui::BeginDisabled(is_idle);
-  ImGui::BeginGroup();
-  ImGui::AlignTextToFramePadding();
-  if (options.is_set(row.name))
-    ImGui::TextColored({0.55f, 0.8f, 1.0f, 1.0f}, "%s", row.name);
-  else
-    ImGui::TextUnformatted(row.name);
-  ImGui::SameLine(132);
-  ImGui::SetNextItemWidth(170);
-  const bool is_list = row.type == SIDERAY_OPTION_CHOICE || row.type == SIDERAY_OPTION_SWITCH || row.type == SIDERAY_OPTION_FLAG;
+  begin_row(row.name, is_set ? blue : ImGui::GetStyleColorVec4(ImGuiCol_Text));
   std::string value = is_list ? choose(row, options) : write(row, options);
-  ImGui::EndGroup();
-  const bool is_hovered = ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled);
-  if (options.is_set(row.name)) {
+  const bool is_hovered = end_row();
+  ImGui::EndDisabled();
+  if (is_hovered) show_help(row, is_idle ? reason->second : "");
+  if (is_set) {
     ImGui::SameLine();
     if (ImGui::SmallButton("default")) value = "";
   }
-  ImGui::EndDisabled();
-  if (is_hovered) explain(row, is_idle ? reason->second : "");  // not dimmed like the option itself
   ImGui::PopID();
   return value == unchanged ? std::nullopt : std::optional(value);
 }
 
 bool OptionPanel::draw(Options& options, const sideray_scene_facts& facts, std::string& message) {
   find_reasons(options, facts);
-  std::optional<std::pair<std::string, std::string>> change;
-  std::vector<std::string> groups{"Most used"};
-  for (const int32_t diagnostic : {0, 1})  // diagnostics last
-    for (size_t i = 0; i < sideray_option_count(); ++i) {
-      const sideray_option& row = *sideray_option_at(i);
-      if ((row.diagnostic != 0) == (diagnostic != 0) && std::find(groups.begin(), groups.end(), row.group) == groups.end())
-        groups.emplace_back(row.group);
-    }
-  for (const std::string& group : groups) {
-    const bool is_first = group == groups.front();
-    bool is_open = is_first, has_title = is_first;
-    for (size_t i = 0; i < sideray_option_count(); ++i) {
-      const sideray_option& row = *sideray_option_at(i);
-      if (row.group != group || !is_shown(row)) continue;
-      if (!has_title) is_open = ImGui::TreeNodeEx(group.c_str(), ImGuiTreeNodeFlags_NoTreePushOnOpen | ImGuiTreeNodeFlags_Framed);
-      has_title = true;
-      if (!is_open) break;
-      if (const auto value = draw_row(row, options)) change = {row.name, *value};
-    }
+  std::optional<Change> change;
+  for (const std::string& group : titles_of_groups()) {
+    const std::vector<const sideray_option*> rows = rows_of(group);
+    if (rows.empty() || (group != most_used && !draw_title(group, rows, options))) continue;
+    for (const sideray_option* row : rows)
+      if (const auto value = draw_row(*row, options)) change = {row->name, *value};
   }
-  if (!change) return false;
-  try {
-    Options trial = options;
-    trial.set(change->first, change->second);
-    trial.require_consistent();
-    options = std::move(trial);
-    message.clear();
-    return true;
-  } catch (const Error& error) {
-    message = error.what();
-    return false;
-  }
+  return change && apply(*change, options, message);
 }
 
 }  // namespace sideray::viewer

@@ -42,6 +42,14 @@ std::string label_of(const State& state, const Frame& frame, size_t side) {
   return fmt::format("{}   {} of {} positions", name, frame.positions, positions_of(frame.way));
 }
 
+std::string label_of_map(const View& view, const Drawer::Shown& shown) {
+  if (view.mode != 0) return "FLIP compares colours: set \"shows\" to them";
+  if (!shown.map || shown.map->number != view.number) return "FLIP: waits for a whole picture of A and of B";
+  const auto [a, b] = shown.map->positions;
+  return fmt::format("FLIP of A ({}, {} positions) and B ({}, {}): mean {:.4f}   black: alike, bright: different",
+                     name_of(view.ways[0]), a, name_of(view.ways[1]), b, shown.map->mean);
+}
+
 }  // namespace
 
 double depth_at(const Frame* frame, double x, double y, double otherwise) {
@@ -95,66 +103,82 @@ bool PictureArea::drag_slider(State& state, ImVec2 size) {
   return drags_slider_;
 }
 
-void PictureArea::control(State& state, const Drawer::Shown& shown, ImVec2 size, float pixels_per_unit) {
+// Returns the point of a surface under the mouse; empty where the mouse is not on a picture.
+std::optional<PictureArea::Under> PictureArea::under_mouse(const State& state, const Drawer::Shown& shown, ImVec2 size) const {
   const ImGuiIO& io = ImGui::GetIO();
-  if (drag_slider(state, size) || io.WantCaptureMouse || !state.view.scene || size.x < 1 || size.y < 1) return;
+  if (io.WantCaptureMouse || !state.view.scene || size.x < 1 || size.y < 1) return {};
   const double x = static_cast<double>(io.MousePos.x / size.x), y = static_cast<double>(io.MousePos.y / size.y);
-  if (x < 0 || x >= 1 || y < 0 || y >= 1) return;
-  if (state.inspects)
-    state.view.inspected = Pixel{std::min(static_cast<uint32_t>(io.MousePos.x * pixels_per_unit), state.view.width - 1),
-                                 std::min(static_cast<uint32_t>(io.MousePos.y * pixels_per_unit), state.view.height - 1)};
-  Navigation& navigation = state.navigation;
-  const double distance = glm::length(navigation.target() - navigation.eye());
-  const double aspect = static_cast<double>(size.x / size.y);
-  const double depth = depth_at(shown.frames[0].get(), x, y, distance);
-  const glm::dvec3 under = eye_of(state.view.camera) + direction_through(state.view.camera, x, y, aspect) * depth;
-  for (int button = 0; button < 3; ++button)
-    if (ImGui::IsMouseClicked(button)) pivot_ = under;
-  const double right = static_cast<double>(io.MouseDelta.x), down = static_cast<double>(io.MouseDelta.y);
-  const bool is_dragged = right != 0 || down != 0;
-  const bool pans = ImGui::IsMouseDown(2) || (ImGui::IsMouseDown(0) && io.KeyShift);
-  const double per_unit = 2.0 * std::tan(0.5 * glm::radians(navigation.fov_deg())) / static_cast<double>(size.y);
-  constexpr double radians_per_unit = 0.006;
-  bool moves = true;
-  if (io.MouseWheel != 0.0f)
-    navigation.approach(under, std::pow(0.85, static_cast<double>(io.MouseWheel)));
-  else if (is_dragged && pans)
-    navigation.move(glm::dvec3(-right, down, 0) * per_unit * glm::length(pivot_ - navigation.eye()));
-  else if (is_dragged && ImGui::IsMouseDown(0))
-    navigation.orbit(pivot_, right * radians_per_unit, down * radians_per_unit);
-  else if (is_dragged && ImGui::IsMouseDown(1))
-    navigation.turn(right * 0.5 * radians_per_unit, down * 0.5 * radians_per_unit);
-  else
-    moves = false;
-  if (moves) state.moved_at = ImGui::GetTime();
+  if (x < 0 || x >= 1 || y < 0 || y >= 1) return {};
+  const double distance_of_target = glm::length(state.navigation.target() - state.navigation.eye());
+  const double depth = depth_at(shown.frames[0].get(), x, y, distance_of_target);
+  const glm::dvec3 direction = direction_through(state.view.camera, x, y, static_cast<double>(size.x / size.y));
+  return Under{{static_cast<uint32_t>(x * state.view.width), static_cast<uint32_t>(y * state.view.height)},
+               eye_of(state.view.camera) + direction * depth};
 }
 
-void PictureArea::draw(State& state, const Drawer::Shown& shown, ImVec2 size, float pixels_per_unit) {
-  upload(shown);
-  const bool is_b = state.comparison == Comparison::only_b || (state.blinks && state.shows_b);
-  if (state.comparison == Comparison::slider && !state.blinks) {
-    draw_side(state, shown, 0, 0, state.slider, size);
-    draw_side(state, shown, 1, state.slider, 1, size);
-    const float x = state.slider * size.x;
-    ImGui::GetBackgroundDrawList()->AddLine({x, 0}, {x, size.y}, white, 1.5f);
-    ImGui::GetBackgroundDrawList()->AddCircleFilled({x, 0.5f * size.y}, 7, white);
-  } else if (state.comparison == Comparison::map && !state.blinks) {
-    if (shown.map && !map_.texture.is_empty()) ImGui::GetBackgroundDrawList()->AddImage(map_.texture.id(), {0, 0}, size);
-    const bool is_new = shown.map && shown.map->number == state.view.number;
-    draw_label({margin, margin},
-               is_new ? fmt::format("FLIP of {} and {}: {:.4f}   ({} and {} positions)", name_of(state.view.ways[0]),
-                                    name_of(state.view.ways[1]), shown.map->mean, shown.map->positions[0], shown.map->positions[1])
-               : state.view.mode == 0 ? "FLIP: waits for a whole picture of A and of B" : "FLIP is of colours; choose what is shown",
-               white, 0);
-    for (size_t i = 0; i < sides; ++i)
-      if (!shown.errors[i].empty()) draw_label({margin, 40 + 40 * static_cast<float>(i)}, shown.errors[i], red, size.x - 2 * margin);
-  } else {
-    draw_side(state, shown, is_b ? 1 : 0, 0, 1, size);
+// Moves the camera as the mouse says. Returns whether it moves.
+bool PictureArea::move_camera(Navigation& navigation, const glm::dvec3& under, float height) {
+  const ImGuiIO& io = ImGui::GetIO();
+  constexpr double radians_per_unit = 0.006;
+  for (int button = 0; button < 3; ++button)
+    if (ImGui::IsMouseClicked(button)) pivot_ = under;
+  if (io.MouseWheel != 0.0f) {
+    navigation.approach(under, std::pow(0.85, static_cast<double>(io.MouseWheel)));
+    return true;
   }
+  const double right = static_cast<double>(io.MouseDelta.x), down = static_cast<double>(io.MouseDelta.y);
+  if (right == 0 && down == 0) return false;
+  if (ImGui::IsMouseDown(2) || (ImGui::IsMouseDown(0) && io.KeyShift)) {
+    const double at_unit_distance = 2.0 * std::tan(0.5 * glm::radians(navigation.fov_deg())) / static_cast<double>(height);
+    navigation.move(glm::dvec3(-right, down, 0) * at_unit_distance * glm::length(pivot_ - navigation.eye()));
+  } else if (ImGui::IsMouseDown(0)) {
+    navigation.orbit(pivot_, right * radians_per_unit, down * radians_per_unit);
+  } else if (ImGui::IsMouseDown(1)) {
+    navigation.turn(right * 0.5 * radians_per_unit, down * 0.5 * radians_per_unit);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+void PictureArea::control(State& state, const Drawer::Shown& shown, ImVec2 size) {
+  if (drag_slider(state, size)) return;
+  const std::optional<Under> under = under_mouse(state, shown, size);
+  if (!under) return;
+  if (state.inspects) state.view.inspected = under->pixel;
+  if (move_camera(state.navigation, under->point, size.y)) state.moved_at = ImGui::GetTime();
+}
+
+void PictureArea::draw_both(const State& state, const Drawer::Shown& shown, ImVec2 size) const {
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  draw_side(state, shown, 0, 0, state.slider, size);
+  draw_side(state, shown, 1, state.slider, 1, size);
+  const float x = state.slider * size.x;
+  list.AddLine({x, 0}, {x, size.y}, white, 1.5f);
+  list.AddCircleFilled({x, 0.5f * size.y}, 7, white);
+}
+
+void PictureArea::draw_map(const State& state, const Drawer::Shown& shown, ImVec2 size) const {
+  if (shown.map && !map_.texture.is_empty()) ImGui::GetBackgroundDrawList()->AddImage(map_.texture.id(), {0, 0}, size);
+  draw_label({margin, margin}, label_of_map(state.view, shown), white, std::max(size.x - 2 * margin, 60.0f));
+  for (size_t i = 0; i < sides; ++i)
+    if (!shown.errors[i].empty()) draw_label({margin, 40 + 40 * static_cast<float>(i)}, shown.errors[i], red, size.x - 2 * margin);
+}
+
+void PictureArea::draw(State& state, const Drawer::Shown& shown, ImVec2 size) {
+  upload(shown);
+  if (state.blinks)
+    draw_side(state, shown, state.shows_b ? 1 : 0, 0, 1, size);
+  else if (state.comparison == Comparison::slider)
+    draw_both(state, shown, size);
+  else if (state.comparison == Comparison::map)
+    draw_map(state, shown, size);
+  else
+    draw_side(state, shown, state.comparison == Comparison::only_b ? 1 : 0, 0, 1, size);
   if (!state.is_panel_seen && !state.message.empty() && size.y > 60)
     draw_label({margin, 30}, state.message, state.is_error ? red : white, std::max(size.x - 2 * margin, 60.0f));
   draw_inspection(state, shown, size);
-  control(state, shown, size, pixels_per_unit);
+  control(state, shown, size);
 }
 
 }  // namespace sideray::viewer

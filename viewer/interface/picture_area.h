@@ -11,7 +11,7 @@ namespace sideray::viewer {
 
 class PictureArea {
  public:
-  void draw(State& state, const Drawer::Shown& shown, ImVec2 size, float pixels_per_unit);
+  void draw(State& state, const Drawer::Shown& shown, ImVec2 size);
 
  private:
   // Holds a texture and its source.
@@ -21,8 +21,16 @@ class PictureArea {
   };
   void upload(const Drawer::Shown& shown);
   void draw_side(const State& state, const Drawer::Shown& shown, size_t side, float begin, float end, ImVec2 size) const;
-  void control(State& state, const Drawer::Shown& shown, ImVec2 size, float pixels_per_unit);
+  void draw_both(const State& state, const Drawer::Shown& shown, ImVec2 size) const;
+  void draw_map(const State& state, const Drawer::Shown& shown, ImVec2 size) const;
+  void control(State& state, const Drawer::Shown& shown, ImVec2 size);
   bool drag_slider(State& state, ImVec2 size);
+  bool move_camera(Navigation& navigation, const glm::dvec3& under, float height);
+  struct Under {
+    Pixel pixel;
+    glm::dvec3 point;
+  };
+  std::optional<Under> under_mouse(const State& state, const Drawer::Shown& shown, ImVec2 size) const;
 
   std::array<Uploaded, sides> sides_;
   Uploaded map_;

@@ -107,6 +107,7 @@ void set_style() {
   style.WindowBorderSize = 0;
   style.ItemSpacing = {8, 5};
   style.Colors[ImGuiCol_WindowBg] = {0.11f, 0.12f, 0.13f, 1.0f};
+  style.Colors[ImGuiCol_PopupBg] = {0.16f, 0.17f, 0.19f, 1.0f};  // lists and help are read over other text
   style.Colors[ImGuiCol_Header] = {0.20f, 0.22f, 0.25f, 1.0f};
   style.Colors[ImGuiCol_FrameBg] = {0.18f, 0.20f, 0.22f, 1.0f};
   style.Colors[ImGuiCol_Button] = {0.22f, 0.28f, 0.36f, 1.0f};
