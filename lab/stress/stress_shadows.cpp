@@ -99,8 +99,10 @@ struct Shadow {
   double mean_hit_distance = 0;  // mean over dark pixels; 0 = none is dark
 };
 
+enum class Wrong { dark, lit };
+
 Shadow draw(StressStage& stage, const Scene& scene, const sideray_camera& camera, const Test& test, double bias,
-            bool dark_is_wrong) {
+            Wrong wrong_are) {
   RenderOptions options = picture_options(stage, test.shadows);
   options.shadows->inexact = test.inexact;
   options.shadows->inexact_bias = static_cast<float>(bias);
@@ -114,7 +116,7 @@ Shadow draw(StressStage& stage, const Scene& scene, const sideray_camera& camera
   double dark = 0, distance = 0, wrong = 0;
   for (size_t i = 0; i < planes.pixels(); ++i) {
     const bool is_dark = lit[i] < 0.5f;
-    if (is_dark == dark_is_wrong) shadow.wrong.wrong[i] = 1, wrong += 1.0;
+    if (is_dark == (wrong_are == Wrong::dark)) shadow.wrong.wrong[i] = 1, wrong += 1.0;
     if (is_dark && std::isfinite(hit[i])) dark += 1.0, distance += double{hit[i]};
     shadow.mean_z += double{z[i]};
   }
@@ -150,12 +152,12 @@ std::vector<StressRow> wind_gap_case(StressStage& stage) {
   const sideray_camera camera = looking_down_from(height, 0.1);
   for (const double amplitude : swept(stage, {0.01, 0.1, 1.0}, {0.1})) {
     const Scene scene = moved_floor(amplitude);
-    const double gap = draw(stage, scene, camera, tests[0], 0.0, true).mean_z - height;
+    const double gap = draw(stage, scene, camera, tests[0], 0.0, Wrong::dark).mean_z - height;
     for (const double ratio : ratios(stage))
       for (const Test& test : tests) {
         if (!is_tested(stage, test)) continue;
         const double bias = gap / ratio;
-        const Shadow shadow = draw(stage, scene, camera, test, bias, true);
+        const Shadow shadow = draw(stage, scene, camera, test, bias, Wrong::dark);
         std::vector<StressRow> measured{
             row_of("wind-gap", test, "lit pixels in false shadow, share", shadow.share_wrong, 0.0)};
         measured.back().map = shadow.wrong;
@@ -177,9 +179,9 @@ std::vector<StressRow> contact_case(StressStage& stage) {
   const sideray_camera camera = looking_down_from(0.5 * occluder_height, 0.01 * occluder_height);
   for (const double ratio : ratios(stage))
     for (const Test& test : tests) {
-        if (!is_tested(stage, test)) continue;
+      if (!is_tested(stage, test)) continue;
       const double bias = occluder_height / ratio;
-      const Shadow shadow = draw(stage, scene, camera, test, bias, false);
+      const Shadow shadow = draw(stage, scene, camera, test, bias, Wrong::lit);
       std::vector<StressRow> measured{
           row_of("contact", test, "occluded pixels that are lit, share", shadow.share_wrong, 0.0)};
       measured.back().map = shadow.wrong;
@@ -217,7 +219,7 @@ std::vector<StressRow> self_shadow_case(StressStage& stage) {
       const double eye[3] = {0.1 * distance, distance, 0.3 * distance}, target[3] = {0, 0, -2.0 * distance};
       sideray_camera camera = scenes::look_at(eye, target, 45.0f);
       camera.z_near = static_cast<float>(near * distance);
-      const Shadow shadow = draw(stage, scene, camera, by_default, 0.5, true);
+      const Shadow shadow = draw(stage, scene, camera, by_default, 0.5, Wrong::dark);
       rows.push_back(row_of("self-shadow", by_default, "pixels of a plain floor in its own shadow, share",
                             shadow.share_wrong, 0.0));
       rows.back().map = shadow.wrong;
