@@ -12,7 +12,8 @@ namespace {
 
 bool same_materials(const model::Snapshot& a, const model::Snapshot& b) {
   // Unused bytes may differ too, which costs only a reset of the history.
-  return a.materials.size() == b.materials.size() &&
+  if (a.materials.size() != b.materials.size()) return false;
+  return a.materials.empty() ||
          std::memcmp(a.materials.data(), b.materials.data(), a.materials.size() * sizeof(model::Material)) == 0;
 }
 

@@ -290,6 +290,8 @@ TEST(Irradiance, UnderABudgetComesToTheSameBits) {
   }
   EXPECT_EQ(late, 0u);
   // Further frames of the position leave it unchanged.
+  PiecesLeft more{1};
+  request.work.pieces = &more;
   request.position_frames = tiles + 1;
   EXPECT_EQ(tracer.trace_irradiance(request, image).rays_bounce, 0u);
   EXPECT_FALSE(image.changed);

@@ -139,6 +139,8 @@ TEST_F(StandsStill, whatever_changes_what_masks_show_makes_them_traced_again) {
       {"ambient occlusion", [&](MaskRequest& r) { r.ao_rays = 4; }},
       {"light that is not asked for any longer", [&](MaskRequest& r) { r.shadow_lights = 1; }},
       {"no filter", [&](MaskRequest& r) { r.filters = nullptr; }},
+      {"snapping of vertices", [&](MaskRequest& r) { r.subpixel *= 2.0f; }},
+      {"distances of hits", [&](MaskRequest& r) { r.hit_distances = true; }},
       {"a cut", [&](MaskRequest& r) { r.sequence = SequenceStep::first; }}};
   for (const auto& [what, change] : changes) {
     settle();

@@ -209,6 +209,56 @@ TEST_F(OlderMaskFrames, masks_move_with_their_surface) {
   }
 }
 
+// Every pixel has the mask of the pixel that it was, whatever else the tiles there hold: dark, lit or mixed ones. The
+// bits of what a tile holds are those of its pixels.
+TEST_F(OlderMaskFrames, each_pixel_has_the_mask_of_where_it_was) {
+  constexpr uint32_t side = OcclusionMasks::filter_tile;
+  scene_.quad({-6, 1.5f, -3}, {5, 0, 0}, {0, 0, 4}, plain_material());
+  Executor executor(2);
+  PixelTrail trail;
+  frame(all, SequenceStep::first);
+  trail.begin(view_, depth_.image(), {width, height}, {}, false, executor);
+  size_t carried[2] = {0, 0}, lost = 0;
+  for (int f = 1; f <= 12; ++f) {
+    const std::vector<uint8_t> then = masks_.lit;
+    // First toward the plate's shadow, which comes in at the picture's border, then back.
+    look(glm::dvec3(-0.15 * (f <= 8 ? f : 16 - f), 3, 6.0 - 0.1 * f));
+    frame(0);
+    trail.begin(view_, depth_.image(), {width, height}, {}, true, executor);
+    for (uint32_t y = 0; y < height; ++y)
+      for (uint32_t x = 0; x < width; ++x) {
+        const uint32_t from = *trail.from(x, y);
+        const uint8_t mask = masks_.lit[y * width + x];
+        ASSERT_EQ(mask, from == PixelTrail::nowhere ? 255 : then[from]) << x << ' ' << y << " in frame " << f;
+        const uint8_t holds = masks_.seen[masks_.filter_index(0, x / side, y / side)];
+        ASSERT_TRUE(holds & (mask == 0 ? OcclusionMasks::seen_dark : OcclusionMasks::seen_lit)) << x << ' ' << y;
+        if (from == PixelTrail::nowhere) ++lost;
+        else ++carried[mask != 0];
+      }
+  }
+  EXPECT_GT(carried[0], 1000u);
+  EXPECT_GT(carried[1], 1000u);
+  EXPECT_GT(lost, 100u);
+}
+
+TEST_F(OlderMaskFrames, masks_of_a_scene_at_rest_do_not_age) {
+  frame(all, SequenceStep::first);
+  for (int f = 1; f <= 3; ++f) {
+    look({0.01 * f, 3, 6});
+    const Counters c = trace(0, SequenceStep::next, &older_, masks_);
+    EXPECT_GT(c.mask_pixels_older, 0u);
+    EXPECT_EQ(c.answer_age, 0u);
+  }
+}
+
+TEST_F(OlderMaskFrames, other_surroundings_leave_nothing) {
+  sky_ = true;
+  frame(all, SequenceStep::first);
+  EXPECT_GT(frame(0).mask_pixels_older, 0u);
+  scene_.environment(glm::vec3(0.5f));
+  EXPECT_EQ(frame(0).mask_pixels_older, 0u);
+}
+
 TEST_F(OlderMaskFrames, slow_motion_is_followed) {
   frame(all, SequenceStep::first);
   for (int f = 1; f <= 40; ++f) {
