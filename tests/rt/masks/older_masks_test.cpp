@@ -259,6 +259,32 @@ TEST_F(OlderMaskFrames, other_surroundings_leave_nothing) {
   EXPECT_EQ(frame(0).mask_pixels_older, 0u);
 }
 
+// Where a tile's pixels come from tiles with and without masks, each has what was known of its own place.
+TEST_F(OlderMaskFrames, tiles_are_known_pixel_by_pixel) {
+  PixelTrail trail;
+  Executor executor(2);
+  const auto follow = [&](bool follows) {
+    trail.begin(view_, depth_.image(), {width, height}, glm::dvec3(0.0), follows, executor);
+  };
+  frame(7, SequenceStep::first);
+  follow(false);
+  const std::vector<uint8_t> before = older_.answers(OlderMasks::of_lights);
+  look({0.4, 3, 6});
+  frame(0);
+  follow(true);
+  const std::vector<uint8_t> after = older_.answers(OlderMasks::of_lights);
+  size_t known = 0;
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < width; ++x) {
+      const uint32_t from = *trail.from(x, y);
+      const bool was_known = from != PixelTrail::nowhere && before[from] != OlderMasks::no_answer;
+      ASSERT_EQ(after[y * width + x] != OlderMasks::no_answer, was_known) << x << ", " << y;
+      known += was_known;
+    }
+  EXPECT_GT(known, 4000u);
+  EXPECT_LT(known, 7u * 32 * 32 + 1);
+}
+
 TEST_F(OlderMaskFrames, slow_motion_is_followed) {
   frame(all, SequenceStep::first);
   for (int f = 1; f <= 40; ++f) {
