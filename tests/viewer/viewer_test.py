@@ -240,9 +240,8 @@ class Viewer(unittest.TestCase):
                 return words
         return []
 
-    def test_a_chart_of_the_view_is_made_until_the_window_is_closed(self):
-        self.open("panes", "160x580", "--ambient", "ao")
-        self.wait_for("64/64")
+    def press_chart_button(self):
+        """Of a panel at 160 that is 580 high: the button is above its end."""
         self.client.move(300, 400)
         for _ in range(30):
             self.client.button(5, True)
@@ -250,12 +249,34 @@ class Viewer(unittest.TestCase):
             time.sleep(0.02)
         time.sleep(0.5)
         self.client.click(160 + 55, 580 - CHART_ABOVE_END)
+
+    def test_a_chart_of_the_view_is_made_until_the_window_is_closed(self):
+        self.open("panes", "160x580", "--ambient", "ao")
+        self.wait_for("64/64")
+        self.press_chart_button()
         self.wait_until(self.charting, "no chart is made")
         words = self.charting()
         self.assertEqual((words[1], words[-2:]), ("panes", ["-o", "panes-001-chart"]))
         self.assertIn("160x580", words)
         self.close()
         self.assertEqual(subprocess.run(["pgrep", "-f", "panes-001-chart"], stdout=subprocess.PIPE).stdout, b"", "it goes on")
+
+    def script(self, name, text):
+        (self.folder / name).write_text("#!/bin/sh\n" + text)
+        (self.folder / name).chmod(0o755)
+
+    def test_a_browser_that_shows_a_chart_does_not_stop_the_window(self):
+        self.script("sideray", "exit 0\n")  # the program beside the window, which charts
+        self.script("xdg-open", f"echo $1 > {self.folder}/opened.txt\nexec sleep 4\n")
+        window = shutil.copy(PROGRAM.parent / "sideray-view", self.folder)
+        self.start([window, "panes", "--size", "160x580", "--threads", "2"], PATH=f"{self.folder}:{os.environ['PATH']}")
+        self.wait_for("picture")
+        self.press_chart_button()
+        self.wait_until((self.folder / "opened.txt").exists, "no page is opened")
+        self.client.press("c")
+        self.wait_for("reference ", 3)
+        self.close()
+        self.assertEqual((self.folder / "opened.txt").read_text(), "panes-001-chart/index.html\n")
 
     def test_mouse_and_keys_move_the_camera_and_compare(self):
         self.open("panes")

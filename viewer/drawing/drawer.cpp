@@ -20,8 +20,8 @@ double pixels_of(const View& view) {
   return static_cast<double>(view.width) * view.height;
 }
 
-Effort smaller(const View& view, uint32_t step) {
-  return {std::max(1u, (view.width + step - 1) / step), std::max(1u, (view.height + step - 1) / step), true, true, 0};
+Effort smaller(const View& view, uint32_t step, float budget_ms) {
+  return {std::max(1u, (view.width + step - 1) / step), std::max(1u, (view.height + step - 1) / step), true, true, budget_ms};
 }
 
 bool is_power_of_two(uint64_t n) {
@@ -131,7 +131,7 @@ bool Drawer::inspects() const {
 // Changes the step only if the time is far from the goal, because only pictures of one size share a history.
 Effort Drawer::preview_effort(Way way) {
   Speed& speed = speeds_[static_cast<size_t>(way)];
-  if (speed.preview_ns_per_pixel == 0) return smaller(view_, first_step);
+  if (speed.preview_ns_per_pixel == 0) return smaller(view_, first_step, shown_.budget_ms);
   const auto ms = [&](uint32_t step) {
     return speed.preview_ns_per_pixel * pixels_of(view_) / (static_cast<double>(step) * step) / ns_per_ms;
   };
@@ -140,7 +140,7 @@ Effort Drawer::preview_effort(Way way) {
     step = 1;
     while (step < 64 && ms(step) > frame_ms) ++step;
   }
-  return smaller(view_, step);
+  return smaller(view_, step, shown_.budget_ms);
 }
 
 void Drawer::publish(size_t side_index, std::shared_ptr<const Frame> frame) {
@@ -210,7 +210,7 @@ void Drawer::draw_pictures() {
   while (!stops_) {
     if (compare(lock)) continue;
     if (const std::optional<size_t> side = next_side())
-      paint(lock, whole_, *side, {view_.width, view_.height, false, false, view_.is_moving ? hardware_budget_ms : 0});
+      paint(lock, whole_, *side, {view_.width, view_.height, false, false, view_.is_moving ? shown_.budget_ms : 0});
     else
       changed_.wait(lock);
   }

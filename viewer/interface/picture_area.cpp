@@ -42,6 +42,11 @@ std::string label_of(const State& state, const Frame& frame, size_t side) {
   return fmt::format("{}   {} of {} positions", name, frame.positions, positions_of(frame.way));
 }
 
+std::string label_without_picture(const State& state) {
+  if (state.view.scene) return "drawing ...";
+  return state.is_error ? "no scene; drop a .glb or .gltf file here" : "loading ...";
+}
+
 std::string label_of_map(const View& view, const Drawer::Shown& shown) {
   if (view.mode != 0) return "FLIP compares colours: set \"shows\" to them";
   if (!shown.map || shown.map->number != view.number) return "FLIP: waits for a whole picture of A and of B";
@@ -80,10 +85,8 @@ void PictureArea::draw_side(const State& state, const Drawer::Shown& shown, size
   if (!shown.errors[side].empty())
     return draw_label({left + margin, margin}, shown.errors[side], red, std::max(right - left - 2 * margin, 60.0f));
   const Frame* frame = shown.frames[side].get();
-  if (!frame || sides_[side].texture.is_empty()) {
-    draw_label({left + margin, margin}, state.view.scene ? "drawing ..." : state.is_error ? "no scene" : "loading ...", white, 0);
-    return;
-  }
+  if (!frame || sides_[side].texture.is_empty())
+    return draw_label({left + margin, margin}, label_without_picture(state), white, std::max(right - left - 2 * margin, 60.0f));
   list.AddImage(sides_[side].texture.id(), {left, 0}, {right, size.y}, {begin, 0}, {end, 1});
   list.PushClipRect({left, 0}, {right, size.y});
   const bool has_legend = modes()[state.view.mode].coloring == Coloring::age;
