@@ -1,7 +1,8 @@
 // Computes the transmittance of unbent rays through translucent surfaces: the coloured shadows of glass, in every way
 // of drawing that traces rays. It is the product of each surface's transmittance, by the Fresnel term at the ray's
-// angle, and the absorption of solids between entry and exit. Through parallel faces this matches a refracted ray,
-// which has the same angle outside. A straight ray is never totally reflected, but transmits nothing at grazing angles.
+// angle, and the absorption of solids between entry and exit. Through parallel faces Fresnel's terms are those of a
+// refracted ray, which has the same angle outside, but the straight way between them is longer (by 1.6 at 60 degrees in
+// glass). A straight ray is never totally reflected, but transmits nothing at grazing angles.
 // It has scratch memory: one object per thread.
 #pragma once
 
