@@ -14,6 +14,7 @@
 #include "rt/masks/depth_points.h"
 #include "rt/opaque/light_tiles.h"
 #include "rt/reflections/older_reflections.h"
+#include "rt/shading/frame_shaders.h"
 #include "rt/shading/hit_shader.h"
 #include "rt/shading/host_shader.h"
 #include "shaders/shading/shading_cpp.h"
@@ -169,7 +170,7 @@ TraceEnd ReflectionTracing::reflect(const Tile& tile, Worker& w) {
   if (by_host)
     w.host.begin(*tile.scene, *tile.intersector, host_calls(r), r.shadows);
   else
-    w.built_in.begin(*tile.scene, *tile.intersector, r.shadows, false, r.error, way_to_viewer(r.view), r.light_bounces);
+    w.built_in.begin(*tile.scene, *tile.intersector, r.shadows, false, r.error, way_to_viewer(r.view), bounces_of(r));
   w.mirrors.begin(*tile.scene, *tile.intersector,
                   by_host ? static_cast<SecondaryHitShader&>(w.host) : static_cast<SecondaryHitShader&>(w.built_in));
   w.radiance.resize(w.points.size());

@@ -20,6 +20,12 @@ class ShaderSource {
   virtual PointShader& begin_chunk(uint32_t thread) = 0;
 };
 
+// Returns the last argument of HitShader::begin() for a request.
+template <typename Request>
+std::optional<uint32_t> bounces_of(const Request& request) {
+  return request.light_bounces ? std::optional<uint32_t>(request.position) : std::nullopt;
+}
+
 class FrameShaders final : public ShaderSource {
  public:
   // The caller keeps referenced objects alive for the frame.
@@ -31,7 +37,7 @@ class FrameShaders final : public ShaderSource {
     bool tells_rough;  // rough reflections are also returned by rough()
     float error;       // LayerRequest::ray_reuse
     glm::vec3 viewer = {0, 0, 1};  // way_to_viewer()
-    bool bounces = false;          // LayerRequest::light_bounces
+    std::optional<uint32_t> bounces = std::nullopt;  // bounces_of() the request
   };
   explicit FrameShaders(uint32_t threads) : threads_(threads) {}
   void begin_frame(const Frame& frame) { frame_.emplace(frame); }

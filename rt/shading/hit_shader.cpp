@@ -35,7 +35,7 @@ float mirror_share(const AroundBlock& a, size_t lane) {
 }  // namespace
 
 void HitShader::begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough,
-                      float error, glm::vec3 viewer, bool bounces) {
+                      float error, glm::vec3 viewer, std::optional<uint32_t> bounces) {
   scene_ = &scene;
   intersector_ = &intersector;
   shadows_ = shadows;
@@ -44,7 +44,7 @@ void HitShader::begin(const ShadingScene& scene, const Intersector& intersector,
   rough_.clear();
   rays_reflection = rays_shadow = rays_bounce = 0;
   bounces_ = bounces && !scene.snapshot->fixed;
-  if (bounces_) around_.begin(scene, intersector, shadows);
+  if (bounces_) around_.begin(scene, intersector, shadows, *bounces);
   mirrors_.begin(scene, intersector, *this);
   light_.begin(scene, intersector);
   const std::string isa = intersector.isa();

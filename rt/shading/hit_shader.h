@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,9 +24,9 @@ class HitShader final : public PointShader, public SecondaryHitShader, public Ra
   // Sets the scene and options until the next call; the caller keeps both objects alive. `shadows` false: no shadow
   // rays. `tell_rough`: rough() has results. `error`: LayerRequest::ray_reuse; above 0, faint lights are sampled at
   // random, else every light that reaches a point gets a shadow ray. `viewer`: as in SurfaceBatch::begin(). `bounces`:
-  // surfaces light each other, and occlude the sky for each other.
+  // if set, surfaces light each other, and occlude the sky for each other; the value is LayerRequest::position.
   void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, bool tell_rough = false,
-             float error = 0.0f, glm::vec3 viewer = {0, 0, 1}, bool bounces = false);
+             float error = 0.0f, glm::vec3 viewer = {0, 0, 1}, std::optional<uint32_t> bounces = std::nullopt);
 
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
   void shade_opaque(std::span<const SurfacePoint> points, glm::vec3* radiance) override;
