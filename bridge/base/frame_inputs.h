@@ -23,6 +23,7 @@ struct Inspection {
   std::shared_ptr<const rt::WantedTiles> wanted, wanted_light;
   // Number of frames that a position of a still view has taken under a budget, this one included; 0: other views.
   uint32_t position_frames = 0;
+  uint32_t position = 0;     // rt::LayerRequest::position
   bool timed = false;        // waits for the GPU around readback and upload, so that their times are separate
 };
 

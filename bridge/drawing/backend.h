@@ -30,6 +30,7 @@ struct PictureJob;
 struct FramePosition {
   gl::RasterView view;
   uint32_t seed;
+  uint32_t number = 0;  // Sequence::position()
 };
 
 // Says whether fragments are only drawn, or also counted and, where options say so, checked: an extra pass.

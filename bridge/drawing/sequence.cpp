@@ -172,9 +172,8 @@ glm::vec2 Sequence::jitter(const FramePlan& plan, uint32_t sample) const {
 
 // Returns a random seed of its own for each position.
 uint32_t Sequence::seed(const FramePlan& plan, uint32_t sample) const {
-  const uint32_t position = adds() ? still_.position() : sample;
-  const uint32_t seed = adds() ? still_.seed() : plan.seed;
-  return position == 0 ? seed : rt::random_key({seed, position});
+  const uint32_t number = position(sample), seed = adds() ? still_.seed() : plan.seed;
+  return number == 0 ? seed : rt::random_key({seed, number});
 }
 
 void Sequence::show(const FramePlan& plan, const rt::Counters& trace, std::vector<glm::vec4>& colors,

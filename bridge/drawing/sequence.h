@@ -57,6 +57,8 @@ class Sequence {
   // Return the offset of position `sample` from the pixel's centre, in pixels, and its random seed.
   glm::vec2 jitter(const FramePlan& plan, uint32_t sample) const;
   uint32_t seed(const FramePlan& plan, uint32_t sample) const;
+  // Returns the number of position `sample` among those that a still view or a picture averages; 0 in motion.
+  uint32_t position(uint32_t sample) const { return adds() ? still_.position() : sample; }
   // Returns the number of positions that the picture averages.
   uint32_t positions(const FramePlan& plan) const { return adds() ? std::max(still_.added(), 1u) : plan.samples; }
   // Takes the drawn colours, bottom row first, and replaces them by those to show. `trace`: counters that tell which

@@ -40,6 +40,7 @@ FrameInputs trace_inputs(const PictureJob& job, const FramePosition& position) {
   inputs.exact_points = o.diagnostics.exact_points;
   inputs.inspection.wanted = job.sequence.wanted(plan);
   inputs.inspection.wanted_light = job.sequence.wanted_light(plan);
+  inputs.inspection.position = position.number;
   inputs.inspection.position_frames = job.sequence.position_frames();
   inputs.inspection.hit_distances = o.shows(SIDERAY_AOV_HIT_DISTANCE);
   return inputs;

@@ -16,6 +16,7 @@ rt::LightRequest light_request(const JobFrame& frame, const TraceInput& input, s
           .shadows = in.shadows,
           .denoise = denoise,
           .seed = in.seed,
+          .position = in.inspection.position,
           .sequence = frame.sequence,
           .frame = input.frame,
           .still = &still,

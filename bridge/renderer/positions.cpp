@@ -23,7 +23,7 @@ std::vector<glm::vec4> mean_of(const std::vector<glm::dvec4>& sum, uint32_t posi
 }
 
 FramePosition position_of(const PictureJob& job, uint32_t sample) {
-  return {job.view_of(sample), job.sequence.seed(job.plan, sample)};
+  return {job.view_of(sample), job.sequence.seed(job.plan, sample), job.sequence.position(sample)};
 }
 
 // Sets the times of threads that trace, which time themselves beside OpenGL; other stages would need fences.

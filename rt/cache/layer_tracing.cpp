@@ -23,6 +23,7 @@ FrameKey key_of(const CacheRequest& r) {
   key.mask = static_cast<uint32_t>(r.mask);
   key.stencil_bits = r.stencil_bits;
   key.seed = r.seed;
+  key.position = r.position;
   key.shadows = r.shadows;
   key.subpixel = r.subpixel;
   return key;
@@ -179,7 +180,7 @@ TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& sc
                                     .tell_rough = request.denoise != 0,
                                     .error = request.ray_reuse,
                                     .viewer = way_to_viewer(request.view),
-                                    .bounces = request.light_bounces}});
+                                    .bounces = bounces_of(request)}});
   TileReach* reach = request.wanted ? request.wanted->reach.get() : nullptr;
   if (reach) reach->fit(request.view, request.width, request.height, request.depth);
   const Traced traced{request, context, bends ? &bent.context : nullptr, cache, older};

@@ -73,7 +73,7 @@ ShaderSource& CompositeTracing::begin_shaders(const LayerRequest& request, Trace
                                     .tell_rough = request.resolves && request.denoise,
                                     .error = request.ray_reuse,
                                     .viewer = way_to_viewer(request.view),
-                                    .bounces = request.light_bounces}});
+                                    .bounces = bounces_of(request)}});
   return shaders_;
 }
 

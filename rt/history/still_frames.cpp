@@ -15,7 +15,7 @@ bool same_view(const TraceView& a, const TraceView& b) {
 bool same_key(const FrameKey& a, const FrameKey& b) {
   return a.inputs == b.inputs && same_view(a.view, b.view) && a.width == b.width && a.height == b.height &&
          a.format == b.format && a.mask == b.mask && a.stencil_bits == b.stencil_bits && a.seed == b.seed &&
-         a.shadows == b.shadows && a.bounces == b.bounces && a.subpixel == b.subpixel;
+         a.position == b.position && a.shadows == b.shadows && a.bounces == b.bounces && a.subpixel == b.subpixel;
 }
 
 bool may_stand_still(const model::Snapshot& snapshot) {

@@ -26,7 +26,7 @@ struct FrameKey {
   TraceView view{};
   uint32_t width = 0, height = 0;
   DepthFormat format{};
-  uint32_t mask = 0, stencil_bits = 0, seed = 0;
+  uint32_t mask = 0, stencil_bits = 0, seed = 0, position = 0;
   bool shadows = false, bounces = false;
   float subpixel = 0.0f;
 };

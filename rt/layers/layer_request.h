@@ -41,6 +41,7 @@ struct LayerRequest : sideray_layer_inputs {
   bool shadows = true;
   bool light_bounces = false;  // surfaces that are hit light each other, and occlude the sky for each other
   uint32_t seed = 1;
+  uint32_t position = 0;  // of the sample positions that are averaged: it alone changes the paths of bounced light
   const std::atomic<bool>* cancelled = nullptr;  // polled between chunks
   WorkTime work;                                 // limits which chunks begin; the others are skipped
   ShadingQueue* shading_queue = nullptr;         // SIDERAY_SHADE_IN_CALLS: passes points to the host's thread; null:

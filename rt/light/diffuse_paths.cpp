@@ -14,6 +14,9 @@ constexpr uint32_t direction_purpose = 61, roulette_purpose = 62;
 constexpr float most_reflected = 0.95f;
 // Roughness of the lobe over which the sky's light is averaged where a ray leaves the scene.
 constexpr float blur_of_open_sky = 0.25f;
+// Smoother surfaces on a path reflect no lamps but by their diffuse part: few paths would meet their highlights, and
+// these would be brighter than all else that the points nearby share.
+constexpr float least_roughness_of_highlights = 0.3f;
 constexpr float short_of_hit = 1.0f - 0x1p-16f;
 
 // Returns the surface's reflectance under uniform light.
@@ -157,6 +160,7 @@ void DiffusePaths::shade() {
   // One ray represents all lights of a point.
   constexpr LightOdds odds{0.0f, std::numeric_limits<float>::max()};
   light_.clear();
+  batch_.drop_highlights(least_roughness_of_highlights);
   for (size_t b = 0; b < batch_.blocks(); ++b) light_.draw(batch_, b, odds, nullptr);
   if (shadows_) rays_shadow += light_.rays();
   light_.add(shadows_ ? intersector_ : nullptr, light_of_points_.data());

@@ -55,6 +55,22 @@ uint64_t coarser_cell(uint64_t cell) {
   return name;
 }
 
+uint32_t key_of_cell(uint64_t cell, uint32_t of_cell) {
+  return random_key({static_cast<uint32_t>(cell), static_cast<uint32_t>(cell >> 32), of_cell, path_purpose});
+}
+
+// Returns the two numbers that a path's direction is sampled by. Those of neighbouring cells, and those of successive
+// positions in one cell, fill the square evenly (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom
+// Sequences": R6 over space, R2 over positions).
+glm::vec2 direction_numbers(uint64_t cell, uint32_t of_cell, uint32_t position) {
+  constexpr glm::uvec2 steps[] = {{3859688306u, 3468523226u}, {3117001274u, 2801104767u}, {2517223199u, 2262111973u}};
+  constexpr glm::uvec2 position_step(3242174889u, 2447445414u);
+  const uint32_t key = random_key({static_cast<uint32_t>(cell >> 3 * place_bits), of_cell, path_purpose});
+  glm::uvec2 bits = glm::uvec2(key, hash_bits(key)) + position * position_step;
+  for (int k = 0; k < 3; ++k) bits += (static_cast<uint32_t>(cell >> k * place_bits) & place_mask) * steps[k];
+  return {unit_float(bits.x), unit_float(bits.y)};
+}
+
 void drop_doubles(std::vector<uint64_t>& cells) {
   std::ranges::sort(cells);
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
@@ -74,10 +90,11 @@ glm::vec3 share_of(glm::vec3 part, glm::vec3 whole) {
 
 }  // namespace
 
-void LightAround::begin(const ShadingScene& scene, const Intersector& intersector, bool shadows) {
+void LightAround::begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, uint32_t position) {
   const model::Environment& environment = *scene.snapshot->environment;
   environment_ = environment.black ? nullptr : &environment;
   lanes_ = {environment, shade_kernels(intersector.isa().c_str())};
+  position_ = position;
   scene_ = &scene;
   intersector_ = &intersector;
   veiled_ = environment_ && veils_sky(*scene.snapshot);
@@ -86,9 +103,27 @@ void LightAround::begin(const ShadingScene& scene, const Intersector& intersecto
 }
 
 void LightAround::gather(const SurfaceBatch& batch, bool matt) {
-  points_.clear();
-  for (uint32_t i = 0; i < batch.size(); ++i)
-    if (!matt || batch.is_matt(i)) points_.push_back({batch.point_around(i), i, 0});
+  points_.clear(), own_cells_.clear();
+  for (uint32_t i = 0; i < batch.size(); ++i) {
+    if (matt && !batch.is_matt(i)) continue;
+    const PointAround around = batch.point_around(i);
+    own_cells_.push_back({cell_of(around, level_of(around)), 0, static_cast<uint32_t>(points_.size())});
+    points_.push_back({.around = around, .number = i});
+  }
+}
+
+// Makes each point's random numbers those of the smallest cell about it, so that the light there does not flicker where
+// the camera moves. Points that share a cell are numbered.
+void LightAround::draw_numbers() {
+  std::ranges::sort(own_cells_);
+  uint32_t of_cell = 0;
+  for (size_t i = 0; i < own_cells_.size(); ++i) {
+    const uint64_t cell = own_cells_[i].cell;
+    of_cell = i > 0 && own_cells_[i - 1].cell == cell ? of_cell + 1 : 0;
+    Point& p = points_[own_cells_[i].point];
+    p.key = key_of_cell(cell, of_cell);
+    p.direction = direction_numbers(cell, of_cell, position_);
+  }
 }
 
 // Sorts the points by cells of one size, which is doubled until there are at most `most_cells`.
@@ -96,7 +131,8 @@ void LightAround::sort_into_cells(size_t most_cells) {
   int level = least_level;
   for (const Point& p : points_) level = std::max(level, level_of(p.around));
   in_cells_.clear(), cells_.clear();
-  for (uint32_t i = 0; i < points_.size(); ++i) in_cells_.push_back({cell_of(points_[i].around, level), i});
+  for (uint32_t i = 0; i < points_.size(); ++i)
+    in_cells_.push_back({cell_of(points_[i].around, level), points_[i].key, i});
   for (const InCell& p : in_cells_) cells_.push_back(p.cell);
   drop_doubles(cells_);
   for (int coarser = 0; cells_.size() > most_cells && coarser < most_coarser; ++coarser) {
@@ -108,11 +144,12 @@ void LightAround::sort_into_cells(size_t most_cells) {
 }
 
 // Chooses one point of each cell to send a path, or more if they weigh much, so that isolated points have a path, too.
+// Those with the least keys send: where cells of another size are chosen in the next frame, most still do.
 void LightAround::choose_senders() {
   float weights = 0.0f;
   for (const Point& p : points_) weights += p.around.weight;
   sort_into_cells(std::max(static_cast<size_t>(weights / points_a_path), few_cells));
-  records_.clear(), keys_.clear();
+  records_.clear(), rays_.clear(), cones_.clear(), keys_.clear();
   const std::span<const InCell> all(in_cells_);
   for (size_t first = 0, end = 0; first < all.size(); first = end) {
     while (end < all.size() && all[end].cell == all[first].cell) ++end;
@@ -127,24 +164,18 @@ void LightAround::choose_senders(std::span<const InCell> points) {
   const size_t count = points.size(), sent = std::clamp<size_t>(static_cast<size_t>(weights / points_a_path), 1, count);
   for (size_t i = 0; i < count; ++i)
     points_[points[i].point].record = static_cast<uint32_t>(records_.size() + i * sent / count);
-  for (size_t i = 0; i < sent; ++i) {
-    const PointAround& p = points_[points[i * count / sent].point].around;
-    records_.push_back({.position = p.origin, .normal = p.normal, .width = p.width});
-    keys_.push_back(random_key({p.key, path_purpose}));
-  }
+  for (size_t i = 0; i < sent; ++i) send_path(points_[points[i].point]);
 }
 
-// Consecutive records are near each other, so their directions come from one low-discrepancy sequence (Roberts 2018,
-// R2), with a random start.
-void LightAround::send_paths() {
-  constexpr uint32_t step_x = 3242174889u, step_y = 2447445414u;
-  rays_.clear(), cones_.clear();
-  uint32_t x = keys_[0], y = hash_bits(x);
-  for (const Record& r : records_) {
-    const glm::vec2 u(unit_float(x += step_x), unit_float(y += step_y));
-    rays_.push_back({r.position, 0.0f, frame_about(r.normal) * sample_cosine(u), farthest});
-    cones_.push_back({r.width, 0.0f});
-  }
+void LightAround::send_path(const Point& point) {
+  const PointAround& p = point.around;
+  records_.push_back({.position = p.origin, .normal = p.normal, .width = p.width});
+  rays_.push_back({p.origin, 0.0f, frame_about(p.normal) * sample_cosine(point.direction), farthest});
+  cones_.push_back({p.width, 0.0f});
+  keys_.push_back(random_key({point.key, position_}));
+}
+
+void LightAround::follow_paths() {
   radiance_.resize(rays_.size());
   nearness_.resize(rays_.size());
   paths_.follow(rays_, cones_, keys_, radiance_.data(), nearness_.data());
@@ -214,8 +245,9 @@ std::span<const ArrivingLight> LightAround::find(const SurfaceBatch& batch, bool
   arriving_.assign(batch.size(), {});
   gather(batch, matt);
   if (points_.empty()) return arriving_;
+  draw_numbers();
   choose_senders();
-  send_paths();
+  follow_paths();
   find_reaches();
   means_.clear();
   for (const Record& r : records_) means_.push_back(mean_about(r));

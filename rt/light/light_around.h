@@ -19,8 +19,8 @@ namespace sideray::rt {
 
 class LightAround {
  public:
-  // The caller keeps both objects alive.
-  void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows);
+  // The caller keeps both objects alive. `position`: LayerRequest::position.
+  void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, uint32_t position);
   // Finds the light at the batch's points; `matt`: only at those with a diffuse part. The same batch gets the same
   // bits.
   std::span<const ArrivingLight> find(const SurfaceBatch& batch, bool matt);
@@ -32,12 +32,15 @@ class LightAround {
  private:
   struct Point {
     PointAround around;
-    uint32_t number;  // in the batch
-    uint32_t record;  // of the point that sends a path for its cell
+    uint32_t number;            // in the batch
+    uint32_t key = 0;           // of random numbers
+    glm::vec2 direction{0.0f};  // random numbers of a path's direction
+    uint32_t record = 0;        // of the point that sends a path for its cell
   };
   // A cell is a cube of space and part of the directions that surfaces face.
   struct InCell {
     uint64_t cell;
+    uint32_t key;    // of the point
     uint32_t point;  // index in points_
     auto operator<=>(const InCell&) const = default;
   };
@@ -51,10 +54,12 @@ class LightAround {
     glm::vec3 thrown{0.0f}, sky{0.0f}, seen_sky{0.0f};
   };
   void gather(const SurfaceBatch& batch, bool matt);
+  void draw_numbers();
   void sort_into_cells(size_t most_cells);
   void choose_senders();
   void choose_senders(std::span<const InCell> points);
-  void send_paths();
+  void send_path(const Point& point);
+  void follow_paths();
   void see_sky();
   void find_reaches();
   ArrivingLight mean_about(const Record& record) const;
@@ -63,11 +68,13 @@ class LightAround {
   const Intersector* intersector_ = nullptr;
   const model::Environment* environment_ = nullptr;  // null: black
   EnvironmentLanes lanes_;
+  uint32_t position_ = 0;
   bool veiled_ = false;  // something translucent is in front of the sky
   DiffusePaths paths_;
   Veils veils_;
   std::vector<Point> points_;
-  std::vector<InCell> in_cells_;  // points_, sorted by cell
+  std::vector<InCell> own_cells_;  // points_, in the smallest cells about them
+  std::vector<InCell> in_cells_;   // points_, sorted by cells of one size
   std::vector<uint64_t> cells_;   // the distinct cells of in_cells_
   std::vector<Record> records_;
   std::vector<Ray> rays_, clear_;      // clear_: those without an opaque hit

@@ -30,6 +30,7 @@ FrameKey frame_key(const LightRequest& r, std::vector<std::byte> inputs) {
   key.height = r.height;
   key.format = r.depth.format;
   key.seed = r.seed;
+  key.position = r.position;
   key.shadows = r.shadows;
   key.subpixel = r.subpixel;
   return key;

@@ -29,6 +29,7 @@ struct LightRequest {
   std::span<const OpaquePoint> points;  // as in MaskRequest
   bool shadows = true, denoise = false;
   uint32_t seed = 1;
+  uint32_t position = 0;                         // as in LayerRequest
   SequenceStep sequence = SequenceStep::first;   // of `still` and the history
   ViewFrame frame{};                             // of the history
   StillFrames* still = nullptr;                  // a frame equal to the last keeps its image; null: all are traced

@@ -14,6 +14,7 @@
 #include "rt/masks/depth_points.h"
 #include "rt/opaque/light_tiles.h"
 #include "rt/reflections/older_reflections.h"
+#include "rt/shading/frame_shaders.h"
 #include "rt/shading/hit_shader.h"
 #include "rt/shading/host_shader.h"
 #include "shaders/shading/shading_cpp.h"
@@ -170,7 +171,7 @@ TraceEnd ReflectionTracing::reflect(const Tile& tile, Worker& w) {
     w.host.begin(*tile.scene, *tile.intersector, host_calls(r), r.shadows);
   else
     w.built_in.begin(*tile.scene, *tile.intersector,
-                     {.shadows = r.shadows, .error = r.error, .viewer = way_to_viewer(r.view), .bounces = r.light_bounces});
+                     {.shadows = r.shadows, .error = r.error, .viewer = way_to_viewer(r.view), .bounces = bounces_of(r)});
   w.mirrors.begin(*tile.scene, *tile.intersector,
                   by_host ? static_cast<SecondaryHitShader&>(w.host) : static_cast<SecondaryHitShader&>(w.built_in));
   w.radiance.resize(w.points.size());

@@ -20,6 +20,12 @@ class ShaderSource {
   virtual PointShader& begin_chunk(uint32_t thread) = 0;
 };
 
+// Returns HitShading::bounces for a request.
+template <typename Request>
+std::optional<uint32_t> bounces_of(const Request& request) {
+  return request.light_bounces ? std::optional<uint32_t>(request.position) : std::nullopt;
+}
+
 class FrameShaders final : public ShaderSource {
  public:
   // The caller keeps referenced objects alive for the frame.

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,7 +26,8 @@ struct HitShading {
   // a shadow ray.
   float error = 0.0f;
   glm::vec3 viewer = {0, 0, 1};  // as in SurfaceBatch::begin()
-  bool bounces = false;          // surfaces light each other, and occlude the sky for each other
+  // If set, surfaces light each other, and occlude the sky for each other. The value is LayerRequest::position.
+  std::optional<uint32_t> bounces = std::nullopt;
 };
 
 class HitShader final : public PointShader, public SecondaryHitShader, public RaySharing {

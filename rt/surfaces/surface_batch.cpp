@@ -277,7 +277,20 @@ PointAround SurfaceBatch::point_around(size_t point) const {
   const size_t lane = point % block_size;
   const glm::vec3 normal = vector_at(block.geometric_normal, lane);
   return {vector_at(block.position, lane) + normal * block.offset[lane], normal, widths_[point],
-          std::min(std::max(0.0f, weights_[point]), 1.0f), keys_[point]};
+          std::min(std::max(0.0f, weights_[point]), 1.0f)};
+}
+
+void SurfaceBatch::drop_highlights(float least_roughness) {
+  constexpr size_t f0 = offsetof(SrSurface, f0) / sizeof(float), f90 = offsetof(SrSurface, f90) / sizeof(float);
+  for (SurfaceBlock& block : blocks_) {
+    const BlockRow& roughness = block.surface[offsetof(SrSurface, roughness) / sizeof(float)];
+    for (size_t i = 0; i < block_size; ++i) {
+      if (roughness[i] >= least_roughness) continue;
+      for (size_t c = 0; c < 3; ++c) block.surface[f0 + c][i] = block.surface[f90 + c][i] = 0.0f;
+    }
+    for (float& value : block.surface[offsetof(SrSurface, coat_roughness) / sizeof(float)])
+      if (value < least_roughness) value = 1.0f;
+  }
 }
 
 void SurfaceBatch::let_arrive(std::span<const ArrivingLight> arriving) {

@@ -49,7 +49,6 @@ struct PointAround {
   glm::vec3 normal;  // the geometric one
   float width;       // of a pixel there
   float weight;      // of its light in the pixel
-  uint32_t key;      // of random numbers at this place
 };
 
 // Refers to the rows of one lobe of a block's surfaces.
@@ -103,6 +102,10 @@ class SurfaceBatch {
   // after finish().
   bool is_separate() const { return scene_->snapshot->fixed && scene_->snapshot->fixed->separate_specular; }
   glm::vec3* shine() { return shine_.data(); }
+
+  // Removes the highlights of lights that are drawn or gathered from now on, of bases and coats less rough than this.
+  // The diffuse part receives what Fresnel would have reflected, and a coat becomes rough. Call it after finish().
+  void drop_highlights(float least_roughness);
 
   // Does what finish() does, and adds all lights of the scene unoccluded.
   void finish_unblocked(glm::vec3* radiance);

@@ -35,6 +35,7 @@ void fill(rt::LayerRequest& request, const JobFrame& frame, const TraceInput& in
   request.shadows = in.shadows;
   request.light_bounces = in.irradiance.has_value();
   request.seed = in.seed;
+  request.position = in.inspection.position;
   request.cancelled = &input.cancelled;
   request.work = input.work;
   request.shading_queue = input.shading_queue;

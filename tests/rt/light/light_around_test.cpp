@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "rt/shading/hit_shader.h"
@@ -19,7 +20,7 @@ struct Hits {
     intersector.set_scene(shading->snapshot);
   }
 
-  std::vector<glm::vec3> shade(glm::vec3 from, glm::vec3 toward, bool bounces) {
+  std::vector<glm::vec3> shade(glm::vec3 from, glm::vec3 toward, bool bounces, uint32_t position = 0) {
     constexpr int side = 24;
     std::vector<Ray> rays;
     const glm::vec3 across = glm::abs(toward.y) > 0.9f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
@@ -35,7 +36,7 @@ struct Hits {
       if (hits[i].instance != no_instance) places.push_back({&hits[i], &rays[i], {0.0f, 0.02f}, weight});
     std::vector<glm::vec3> radiance(places.size());
     HitShader shader;
-    shader.begin(*shading, intersector, {.bounces = bounces});
+    shader.begin(*shading, intersector, {.bounces = bounces ? std::optional<uint32_t>(position) : std::nullopt});
     shader.shade_secondary_hits(places, radiance.data());
     rays_bounce = shader.rays_bounce;
     return radiance;
@@ -74,9 +75,9 @@ TEST(LightAround, OfAFurnaceHasAllBounces) {
     scene.environment(glm::vec3(3.0f));
     Hits hits(scene);
     glm::vec3 found(0.0f);
-    constexpr int places = 16;
-    for (int i = 0; i < places; ++i)
-      found += mean(hits.shade({0.3f * static_cast<float>(i) - 2.4f, 0, 0.1f}, {0, -1, 0}, true)) / static_cast<float>(places);
+    constexpr uint32_t positions = 16;
+    for (uint32_t i = 0; i < positions; ++i)
+      found += mean(hits.shade({0, 0, 0.1f}, {0, -1, 0}, true, i)) / static_cast<float>(positions);
     const glm::vec3 expected = emission / (1.0f - albedo);
     EXPECT_GT(hits.rays_bounce, 0u);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], 0.03f * expected[c]) << albedo;
@@ -170,6 +171,34 @@ TEST(LightAround, OfWhatWeighsLittleCostsLittle) {
   }
   EXPECT_LT(rays_light, rays_heavy / 8);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(light[c], heavy[c], 0.02f * heavy[c]);
+}
+
+// Other sample positions of a pixel send other paths.
+TEST(LightAround, TurnsWithThePosition) {
+  TestScene scene;
+  add_floor_and_wall(scene);
+  Hits hits(scene);
+  EXPECT_NE(hits.shade({0, 0, 0}, {0, -1, 0}, true, 0), hits.shade({0, 0, 0}, {0, -1, 0}, true, 1));
+}
+
+// No path shows the highlight of a lamp on a mirror: all points that share the path would be as bright.
+TEST(LightAround, HasNoHighlights) {
+  TestScene scene;
+  scene.quad({0, -2, 0}, {50, 0, 0}, {0, 0, 50}, matt(0.5f));
+  sideray_material_desc mirror = matt(1.0f);
+  mirror.metallic = 1.0f, mirror.roughness = 0.1f;
+  scene.quad({0, 2, 0}, {50, 0, 0}, {0, 0, 50}, mirror);
+  scene.environment(glm::vec3(0.0f));
+  scene.lights({point_light({0, 0, 0}, 100.0f)});
+  Hits hits(scene);
+  float brightest = 0.0f, mean_light = 0.0f;
+  for (uint32_t position = 0; position < 16; ++position) {
+    const std::vector<glm::vec3> with = hits.shade({0, 0, 0}, {0, -1, 0}, true, position);
+    const std::vector<glm::vec3> without = hits.shade({0, 0, 0}, {0, -1, 0}, false);
+    for (size_t i = 0; i < with.size(); ++i) brightest = std::max(brightest, with[i].x - without[i].x);
+    mean_light = mean(without).x;
+  }
+  EXPECT_LT(brightest, mean_light);
 }
 
 }  // namespace
