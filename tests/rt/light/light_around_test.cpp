@@ -181,25 +181,5 @@ TEST(LightAround, TurnsWithThePosition) {
   EXPECT_NE(hits.shade({0, 0, 0}, {0, -1, 0}, true, 0), hits.shade({0, 0, 0}, {0, -1, 0}, true, 1));
 }
 
-// No path shows the highlight of a lamp on a mirror: all points that share the path would be as bright.
-TEST(LightAround, HasNoHighlights) {
-  TestScene scene;
-  scene.quad({0, -2, 0}, {50, 0, 0}, {0, 0, 50}, matt(0.5f));
-  sideray_material_desc mirror = matt(1.0f);
-  mirror.metallic = 1.0f, mirror.roughness = 0.1f;
-  scene.quad({0, 2, 0}, {50, 0, 0}, {0, 0, 50}, mirror);
-  scene.environment(glm::vec3(0.0f));
-  scene.lights({point_light({0, 0, 0}, 100.0f)});
-  Hits hits(scene);
-  float brightest = 0.0f, mean_light = 0.0f;
-  for (uint32_t position = 0; position < 16; ++position) {
-    const std::vector<glm::vec3> with = hits.shade({0, 0, 0}, {0, -1, 0}, true, position);
-    const std::vector<glm::vec3> without = hits.shade({0, 0, 0}, {0, -1, 0}, false);
-    for (size_t i = 0; i < with.size(); ++i) brightest = std::max(brightest, with[i].x - without[i].x);
-    mean_light = mean(without).x;
-  }
-  EXPECT_LT(brightest, mean_light);
-}
-
 }  // namespace
 }  // namespace sideray::rt::light_around_test
