@@ -48,6 +48,8 @@ FrameInputs read_frame_inputs(const sideray_frame_inputs* given) {
   read.shadows = in.shadows != 0;
   read.continues = in.continues != 0;
   read.seed = in.seed;
+  // Hosts that average frames turn the seed with them, as the renderer turns its sample positions.
+  read.inspection.position = in.seed;
   read.deadline_ms = in.deadline_ms;
   read.budget_ms = in.budget_ms;
   read.state_policy = in.state_policy;

@@ -92,6 +92,7 @@ void Service::begin(Frame& frame, const FrameInputs& inputs, std::shared_ptr<con
     JobRun& run = frame.runs[i];
     const bool wanted = (jobs_of(inputs) & frame.view->jobs[i]->bit()) != 0;
     run.state = wanted ? JobRun::State::waiting : JobRun::State::ended;
+    run.is_expected = false;
     run.status = SIDERAY_OK;
     run.sequence = sequence_step(inputs);
     run.counters = {};

@@ -35,6 +35,7 @@ struct JobRun {
     traced    // ready for upload
   };
   State state = State::ended;
+  bool is_expected = false;            // by the budget, until the worker takes it
   sideray_status status = SIDERAY_OK;  // once ended: OK = uploaded
   rt::SequenceStep sequence = rt::SequenceStep::first;
   std::array<TextureReadback, most_textures_read> textures;

@@ -134,7 +134,10 @@ void Service::finish_readback(Frame& frame) {
   if (in.budget_ms <= 0.0f) return;
   frame.end = budget_.begin(in.view_id, in.budget_ms);
   for (size_t i = 0; i < job_count; ++i)
-    if (!has_ended(frame.runs[i])) budget_.expect(in.view_id, i);
+    if (!has_ended(frame.runs[i])) {
+      budget_.expect(in.view_id, i);
+      frame.runs[i].is_expected = true;
+    }
 }
 
 void Service::release_readback(Frame& frame) {
@@ -252,7 +255,7 @@ void Service::upload(Frame& frame, size_t index, const gl::ErrorGuard& errors) {
 void Service::end_job(Frame& frame, size_t job, sideray_status status) {
   JobRun& run = frame.runs[job];
   if (status != SIDERAY_OK) {
-    if (run.state == JobRun::State::waiting) budget_.drop(frame.inputs.view_id, job);
+    if (run.is_expected && run.state == JobRun::State::waiting) budget_.drop(frame.inputs.view_id, job);
     frame.view->broken[job] = true;
     if (run.state == JobRun::State::traced) frame.view->jobs[job]->give_up();
   }

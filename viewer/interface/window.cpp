@@ -9,12 +9,21 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <string_view>
 #include <type_traits>
 
 #include "scenes/base/files.h"
 
 namespace sideray::viewer {
 namespace {
+
+bool is_on_wayland() {
+#if GLFW_VERSION_MAJOR > 3 || GLFW_VERSION_MINOR >= 4
+  return glfwGetPlatform() == GLFW_PLATFORM_WAYLAND;
+#else
+  return std::string_view(glfwGetVersionString()).find("Wayland") != std::string_view::npos;
+#endif
+}
 
 // Functions of OpenGL 1.1; libGL is not linked.
 struct Functions {
@@ -132,7 +141,7 @@ Window::Window(uint32_t width, uint32_t height, WindowEvents events) : events_(s
   on_display_gone = events_.display_gone;
   handle_x_errors();
   glfwMakeContextCurrent(window_);
-  glfwSwapInterval(1);
+  glfwSwapInterval(is_on_wayland() ? 0 : 1);  // there a swap that waits for the screen never ends for a hidden window
   find_functions();
   glfwSetWindowUserPointer(window_, this);
   glfwSetKeyCallback(window_, on_key);
