@@ -159,7 +159,7 @@ class LightPass {
   }
 
   // Adds light from other surfaces to the visible share of the sky's light, to which hide_sky() then adds none by way
-  // of occluders.
+  // of occluders. Occlusion textures have no effect there: rays have found what they stand in for.
   void add_bounced(LightWorker& w) const {
     const std::span<AroundBlock> around = w.batch.around();
     for (size_t i = 0; i < w.texels.size(); ++i) {
@@ -168,6 +168,7 @@ class LightPass {
       AroundBlock& a = around[i / block_size];
       const glm::vec3 light = vector_of_halfs(halfs);
       set_vector(a.irradiance, i % block_size, glm::max(vector_at(a.irradiance, i % block_size) + light, 0.0f));
+      w.batch.drop_occlusion(i);
     }
   }
 

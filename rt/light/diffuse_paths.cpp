@@ -38,6 +38,7 @@ void DiffusePaths::begin(const ShadingScene& scene, const Intersector& intersect
   has_sky_ = !scene.snapshot->environment->black;
   rays = rays_shadow = 0;
   batch_.begin(scene, intersector.isa());
+  batch_.occlude_by_rays();
   environment_ = {*scene.snapshot->environment, shade_kernels(intersector.isa().c_str())};
   light_.begin(scene, intersector);
   straight_.begin(scene, intersector);

@@ -11,8 +11,8 @@ namespace {
 constexpr size_t enough_rays = 1024;  // to fill packets
 
 // Returns the base's weight for radiance from its mirror direction, as in sr_environment().
-glm::vec3 base_weight(const shading::SrSurface& s) {
-  return shading::sr_specular_albedo(s) * (s.below_sheen * (1.0f - s.coat_share) * s.occlusion);
+glm::vec3 base_weight(const shading::SrSurface& s, float occlusion) {
+  return shading::sr_specular_albedo(s) * (s.below_sheen * (1.0f - s.coat_share) * occlusion);
 }
 
 // Returns whether a lobe is so narrow and faint that its mirror direction represents it: it has no noise, needs no
@@ -47,7 +47,10 @@ void HitShader::begin(const ShadingScene& scene, const Intersector& intersector,
   mirrors_.begin(scene, intersector, *this);
   light_.begin(scene, intersector);
   const std::string isa = intersector.isa();
-  for (SurfaceBatch* batch : {&seen_, &reflected_, &in_front_}) batch->begin(scene, isa, options.viewer);
+  for (SurfaceBatch* batch : {&seen_, &reflected_, &in_front_}) {
+    batch->begin(scene, isa, options.viewer);
+    if (bounces_) batch->occlude_by_rays();
+  }
 }
 
 void HitShader::shade(std::span<const SurfacePoint> points, glm::vec3* radiance) {
@@ -195,8 +198,9 @@ void HitShader::collect_rough(std::span<const SurfacePoint> points) {
     const AroundBlock& a = around[i / block_size];
     const size_t lane = i % block_size;
     const shading::SrSurface& s = points[i].surface;
-    const glm::vec3 coat(s.coat_share * s.occlusion);
-    const glm::vec3 base = base_weight(s);
+    const float occlusion = bounces_ ? 1.0f : s.occlusion;
+    const glm::vec3 coat(s.coat_share * occlusion);
+    const glm::vec3 base = base_weight(s, occlusion);
     const bool is_coat = mirrors_.mirror(r).layer == 1;
     add_rough(r, is_coat ? coat : bit(a.alike, lane) ? base + coat : base, rough_[i]);
   }

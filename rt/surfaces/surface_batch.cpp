@@ -62,6 +62,8 @@ LightTerms terms(const shading::SrLight& l) {
           l.type};
 }
 
+constexpr size_t occlusion_row = offsetof(SrSurface, occlusion) / sizeof(float);
+
 void load_rows(const glm::vec3* values, size_t count, BlockRow (&rows)[3]) {
   for (size_t i = 0; i < block_size; ++i) set_vector(rows, i, i < count ? values[i] : glm::vec3(0.0f));
 }
@@ -194,6 +196,7 @@ void SurfaceBatch::begin(const ShadingScene& scene, const std::string& isa, glm:
     for (int c = 0; c < 3; ++c) light.viewer[c] = viewer[c];
   kernels_ = &shade_kernels(isa.c_str());
   levels_ = levels_of(*scene.snapshot->environment);
+  occludes_by_rays_ = false;
 }
 
 void SurfaceBatch::load(std::span<const SurfacePoint> points) {
@@ -246,6 +249,8 @@ void SurfaceBatch::add_traits(float weight, float width, uint32_t key) {
 }
 
 void SurfaceBatch::look_around() {
+  if (occludes_by_rays_)
+    for (SurfaceBlock& block : blocks_) std::fill_n(block.surface[occlusion_row], block_size, 1.0f);
   around_.resize(blocks_.size());
   const model::Environment& environment = *scene_->snapshot->environment;
   const TexelView irradiance = environment.black ? TexelView{nullptr, 0, 0} : view(environment.irradiance);
@@ -278,6 +283,10 @@ PointAround SurfaceBatch::point_around(size_t point) const {
   const glm::vec3 normal = vector_at(block.geometric_normal, lane);
   return {vector_at(block.position, lane) + normal * block.offset[lane], normal, widths_[point],
           std::min(std::max(0.0f, weights_[point]), 1.0f)};
+}
+
+void SurfaceBatch::drop_occlusion(size_t point) {
+  blocks_[point / block_size].surface[occlusion_row][point % block_size] = 1.0f;
 }
 
 void SurfaceBatch::drop_highlights(float least_roughness) {

@@ -103,6 +103,11 @@ class SurfaceBatch {
   bool is_separate() const { return scene_->snapshot->fixed && scene_->snapshot->fixed->separate_specular; }
   glm::vec3* shine() { return shine_.data(); }
 
+  // From the next load on, until begin(), occlusion textures have no effect: rays find what they stand in for.
+  void occlude_by_rays() { occludes_by_rays_ = true; }
+  // Takes the effect of its occlusion texture from one loaded point.
+  void drop_occlusion(size_t point);
+
   // Removes the highlights of lights that are drawn or gathered from now on, of bases and coats less rough than this.
   // The diffuse part receives what Fresnel would have reflected, and a coat becomes rough. Call it after finish().
   void drop_highlights(float least_roughness);
@@ -151,6 +156,7 @@ class SurfaceBatch {
 
   const ShadingScene* scene_ = nullptr;
   const ShadeKernels* kernels_ = nullptr;
+  bool occludes_by_rays_ = false;
   size_t count_ = 0;
   std::vector<SurfaceBlock> blocks_;
   std::vector<AroundBlock> around_;

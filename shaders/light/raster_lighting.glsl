@@ -383,6 +383,10 @@ vec3 over_environment(vec3 of_sky) {
 }
 
 vec3 environment_light(SrSurface s, vec3 geometric_normal, vec3 to_eye) {
+#ifdef SR_MASKS
+  // Rays have found what the occlusion texture stands in for.
+  if (bounced_light().w > 0.0) s.occlusion = 1.0;
+#endif
   float n_v = dot(s.normal, to_eye);
   SrSurroundings around;
   around.irradiance = sky_light(s.normal, s.diffuse);

@@ -18,6 +18,7 @@ struct Room {
   float surroundings = 1.0f, sun = 1.0f, lamp = 0.0f;
   float roughness = 1.0f;
   int texture_roughness = -1;  // 0 to 255; below 0: no texture
+  bool has_dark_occlusion = false;  // by a black occlusion texture
   bool unlit = false;
   float alpha = 1.0f;
 };
@@ -38,6 +39,11 @@ class Built {
       const uint8_t texels[] = {0, 255, 255, 255, 0, static_cast<uint8_t>(room.texture_roughness), 255, 255};
       material.metallic_roughness_texture.texture = scene.add_texture(2, 1, SIDERAY_RGBA8, texels);
       material.metallic_roughness_texture.uv_set = 0;
+    }
+    if (room.has_dark_occlusion) {
+      const uint8_t black[] = {0, 0, 0, 255};
+      material.occlusion_texture.texture = scene.add_texture(1, 1, SIDERAY_RGBA8, black);
+      material.occlusion_texture.uv_set = 0;
     }
     const sideray_material added = scene.add_material(material);
     const float corners[] = {-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0};
@@ -88,7 +94,16 @@ struct Drawn {
   uint64_t rays() const { return stats.rays_primary + stats.rays_reflection + stats.rays_shadow + stats.rays_ao; }
 };
 
-Drawn draw(Built& built, int32_t ao, int32_t reflections, bool is_reference = false) {
+Renderer& renderer_of(const std::string& gl) {
+  static std::map<std::string, Renderer> renderers;
+  sideray_renderer_desc desc = sideray_renderer_defaults();
+  desc.gl = gl.c_str();
+  auto known = renderers.find(gl);
+  if (known == renderers.end()) known = renderers.emplace(gl, Renderer::create(desc).value()).first;
+  return known->second;
+}
+
+Drawn draw(Built& built, int32_t ao, int32_t reflections, bool is_reference = false, const std::string& gl = "auto") {
   RenderOptions options;
   options.picture.width = width, options.picture.height = height;
   options.picture.repeats = 1;
@@ -97,8 +112,7 @@ Drawn draw(Built& built, int32_t ao, int32_t reflections, bool is_reference = fa
     options.reference = sideray_reference_defaults();
     options.reference->light_samples = 4;
   }
-  static Renderer renderer = Renderer::create().value();
-  const Picture picture = renderer.render(built.scene, sideray_camera_defaults(), options).value();
+  const Picture picture = renderer_of(gl).render(built.scene, sideray_camera_defaults(), options).value();
   Drawn drawn{{}, picture.stats()};
   for (size_t i = 0; i < picture.channel_count(); ++i) {
     const auto* values = static_cast<const float*>(picture.channel(i).values);
@@ -186,6 +200,17 @@ TEST(OpaqueRays, WhereTheyHaveAutoIsOn) {
   EXPECT_GT(automatic.stats.rays_reflection, 0u);
   EXPECT_NE(automatic.planes, draw(built, 0, SIDERAY_REFLECTIONS_AUTO).planes);
   EXPECT_NE(automatic.planes, draw(built, SIDERAY_AMBIENT_AUTO, 0).planes);
+}
+
+// Rays find what an occlusion texture stands in for, on surfaces and on what lights them; elsewhere it darkens.
+TEST(OpaqueRays, OcclusionTexturesHaveNoEffectWhereLightBounces) {
+  Built plain({.roughness = 0.4f}), occluded({.roughness = 0.4f, .has_dark_occlusion = true});
+  for (const std::string gl : {"auto", "none"})
+    for (const int32_t reflections : {0, 1}) {
+      const auto drawn = [&](Built& built, int32_t ambient) { return draw(built, ambient, reflections, false, gl).planes; };
+      EXPECT_EQ(drawn(plain, SIDERAY_AMBIENT_BOUNCE), drawn(occluded, SIDERAY_AMBIENT_BOUNCE)) << gl << reflections;
+      EXPECT_NE(drawn(plain, SIDERAY_AMBIENT_AO), drawn(occluded, SIDERAY_AMBIENT_AO)) << gl << reflections;
+    }
 }
 
 // Options that are on stay on in any scene.
