@@ -4,7 +4,7 @@
 //
 // Limits: where a texel has surfaces on both sides of a receiver that is behind the first, all of them tint it; where
 // solids overlap, both absorb; light is not bent. A translucent receiver subtracts its own optical depth from the sum.
-// That of a solid is unknown, so solids are not tinted.
+// The depth of a solid is unknown, so solids are not tinted.
 #pragma once
 
 #include <cstdint>

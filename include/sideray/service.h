@@ -249,8 +249,8 @@ typedef struct sideray_frame_inputs {
    * options resets the history automatically; moved instances are followed. A cancelled or failed job leaves no
    * history. */
   int32_t continues;
-  /* Of random numbers. Light that bounces onto what mirrors and glass show draws by the seed alone: it does not flicker
-   * where the seed stays, and averages out over frames where it changes. */
+  /* Seeds random numbers. Light that bounces onto what mirrors and glass show is drawn by the seed alone: it does not
+   * flicker while the seed stays, and averages out over frames in which the seed changes. */
   uint32_t seed;
   /* Milliseconds from submit, > 0, after which no more rays start; traced results are uploaded. Supported until 0.4;
    * use budget_ms. Masks and layers each have at least an eighth of it, counted from their first ray. With layers,

@@ -132,8 +132,8 @@ void by_rows(py::ssize_t height, py::ssize_t width, py::ssize_t threads, const W
 // Quantizes a number from 0 to 1 linearly, in 256 steps.
 uint8_t byte_of(float value) { return static_cast<uint8_t>(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f); }
 
-// What is seen where nothing hides it: a colour, the faces of a sky, how often the sky is added to the colour, and whether
-// its texels are sRGB.
+// Holds what pixels show that no object hides: a colour, the faces of a sky, how often the sky is added to the colour, and
+// whether its texels are sRGB.
 using Backdrop = std::tuple<Array<double>, std::optional<Array<uint8_t>>, double, bool>;
 // A pixel looks along corner + column * across + row * down.
 using Directions = std::tuple<Array<double>, Array<double>, Array<double>>;

@@ -146,7 +146,7 @@ bool is_clear_of_edges(const TraceInstance& instance, const std::array<LocalPosi
                        const PlaneHit& plane) {
   Corners corners;
   for (size_t i = 0; i < 3; ++i) corners[i] = {local[i].x[0], local[i].x[1], local[i].x[2]};
-  // As seen along the ray, the hit's distance from any edge is at least `weighed` / (longest edge * length of d).
+  // Across the ray, the hit lies at least `weighed` / (longest edge * length of d) from each edge.
   const double weighed = std::min({plane.u, plane.v, 1.0 - plane.u - plane.v}) * std::abs(plane.determinant);
   const glm::dvec3 p0(corners[0]), p1(corners[1]), p2(corners[2]), d(ray.direction);
   const double longest = std::max({glm::dot(p1 - p0, p1 - p0), glm::dot(p2 - p1, p2 - p1), glm::dot(p0 - p2, p0 - p2)});

@@ -15,8 +15,8 @@
 
 namespace sideray::rt {
 
-// Where surfaces were in the previous frame: clip coordinates in pixels and, in w, the depth. All are linear in depth, x
-// and y.
+// Tells where surfaces were in the previous frame: clip coordinates in pixels and, in w, the depth. All are linear in
+// depth, x and y.
 struct TrailTerms {
   glm::vec4 origin, origin_x, origin_y, ray, ray_x, ray_y;
 };

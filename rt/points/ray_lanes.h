@@ -2,7 +2,7 @@
 // rt/base/sampling.h.
 #pragma once
 
-#include "rt/base/lanes.h"
+#include "rt/base/lane_reads.h"
 #include "rt/points/point_kernels.h"
 
 namespace sideray::rt::SIDERAY_LANES {
@@ -34,16 +34,8 @@ SIDERAY_LANE UintVector lane_scramble_reversed(UintVector x, uint32_t key) {
   return lane_reverse(x);
 }
 
-SIDERAY_LANE real load_floats(const float* values) {
-  FloatVector v;
-  __builtin_memcpy(&v, values, sizeof(v));
-  return v;
-}
-SIDERAY_LANE void store_floats(float* values, real a) {
-  __builtin_memcpy(values, &a.v, sizeof(a.v));
-}
-SIDERAY_LANE real3 load_floats(const float (&planes)[3][point_tile_pixels], int at) {
-  return {load_floats(planes[0] + at), load_floats(planes[1] + at), load_floats(planes[2] + at)};
+SIDERAY_LANE real3 load_any(const float (&planes)[3][point_tile_pixels], int at) {
+  return {load_any(planes[0] + at), load_any(planes[1] + at), load_any(planes[2] + at)};
 }
 SIDERAY_LANE real3 every(const float (&v)[3]) {
   return {real(v[0]), real(v[1]), real(v[2])};
@@ -84,7 +76,7 @@ void sample_tile(const RayLight& light, const SampleKeys& keys, const PointTile&
     for (int lane = 0; lane < block_pixels; lane += lane_count) {
       const int at = block * block_pixels + lane;
       uint32_t wanted = static_cast<uint32_t>(tile.drawn[block]) >> lane & all;
-      if (wanted != 0 && has_place(light)) wanted &= lane_bits(to_light(light, load_floats(tile.front, at)).reaches);
+      if (wanted != 0 && has_place(light)) wanted &= lane_bits(to_light(light, load_any(tile.front, at)).reaches);
       samples.wanted[block] = static_cast<uint16_t>(samples.wanted[block] | wanted << lane);
       if (wanted == 0 || !light.samples) continue;
       // Four blocks of 4x4 pixels share a set of points.
@@ -102,9 +94,9 @@ void sample_tile(const RayLight& light, const SampleKeys& keys, const PointTile&
       second ^= (second >> 4) & 0x0f0f0f0fu;
       second ^= (second >> 2) & 0x33333333u;
       second ^= (second >> 1) & 0x55555555u;
-      store_floats(samples.u + at, lane_unit_float(lane_scramble_reversed(index, keys.x[set])));
+      store_any(samples.u + at, lane_unit_float(lane_scramble_reversed(index, keys.x[set])));
       const real v = lane_unit_float(lane_scramble_reversed(second, keys.y[set]));
-      store_floats(samples.azimuth + at, 6.28318530717958647692528676655900576f * v);
+      store_any(samples.azimuth + at, 6.28318530717958647692528676655900576f * v);
     }
   }
 }
@@ -129,15 +121,15 @@ SIDERAY_LANE real3 about(real3 z, real3 v) {
 
 // See sample_cone().
 SIDERAY_LANE real3 lane_cone(const RaySamples& samples, int at, real aperture) {
-  const real below = load_floats(samples.u + at) * aperture;
+  const real below = load_any(samples.u + at) * aperture;
   const real sine = sqrt(below * (2.0f - below));
-  return {sine * load_floats(samples.cosine + at), sine * load_floats(samples.sine + at), 1.0f - below};
+  return {sine * load_any(samples.cosine + at), sine * load_any(samples.sine + at), 1.0f - below};
 }
 
 // See sample_cosine().
 SIDERAY_LANE real3 lane_cosine(const RaySamples& samples, int at) {
-  const real u = load_floats(samples.u + at), sine = sqrt(u);
-  return {sine * load_floats(samples.cosine + at), sine * load_floats(samples.sine + at), sqrt(1.0f - u)};
+  const real u = load_any(samples.u + at), sine = sqrt(u);
+  return {sine * load_any(samples.cosine + at), sine * load_any(samples.sine + at), sqrt(1.0f - u)};
 }
 
 // See distance_to_sphere().
@@ -157,14 +149,14 @@ SIDERAY_LANE LaneRays light_rays_of(const RayLight& light, const RaySamples& sam
     return rays;
   }
   if (light.kind == rays_to_sky) {
-    rays.direction = about(load_floats(tile.normal, at), lane_cosine(samples, at));
+    rays.direction = about(load_any(tile.normal, at), lane_cosine(samples, at));
     return rays;
   }
   if (light.kind == rays_to_drawn) {
-    rays.direction = load_floats(samples.drawn, at);
+    rays.direction = load_any(samples.drawn, at);
     return rays;
   }
-  const ToLight to = to_light(light, load_floats(tile.front, at));
+  const ToLight to = to_light(light, load_any(tile.front, at));
   rays.direction = to.axis;
   real reach = to.distance;
   if (light.samples) {
@@ -185,7 +177,7 @@ SIDERAY_LANE void start_inexact(const InexactStart& start, const PointTile& tile
   const real u = lane_unit_float(lane_hash((y << 16 | x) + start.key));
   const UintVector marks = ((UintVector{} + tile.inexact[block]) >> pixel) & 1u;
   const boolean inexact{__builtin_bit_cast(IntVector, marks) == 1};
-  const real share = u * load_floats(tile.bias + block * block_pixels + lane);
+  const real share = u * load_any(tile.bias + block * block_pixels + lane);
   if (start.kind == starts_further)
     rays.origin = sr_select(inexact, rays.origin + rays.direction * share, rays.origin);
   else
@@ -205,7 +197,7 @@ SIDERAY_LANE void append(const LaneRays& lanes, uint32_t wanted, int at, const R
   constexpr uint32_t all = (1u << lane_count) - 1u;
   for (int i = 0; i < 8; ++i) {
     if (wanted == all) {
-      store_floats(to[i] + count, values[i]);
+      store_any(to[i] + count, values[i]);
       continue;
     }
     float* next = to[i] + count;
@@ -226,12 +218,12 @@ uint32_t rays_of_tile(const RayLight& light, const InexactStart& start, const Ra
       if (wanted == 0) continue;
       const int at = block * block_pixels + lane;
       LaneRays made = light_rays_of(light, samples, tile, at);
-      made.origin = load_floats(tile.front, at);
+      made.origin = load_any(tile.front, at);
       if (light.kind != rays_to_sky && light.kind != rays_to_drawn) {
-        const boolean in_front = dot(made.direction, load_floats(tile.normal, at)) >= -load_floats(tile.doubt + at);
-        made.origin = sr_select(in_front, made.origin, load_floats(tile.back, at));
+        const boolean in_front = dot(made.direction, load_any(tile.normal, at)) >= -load_any(tile.doubt + at);
+        made.origin = sr_select(in_front, made.origin, load_any(tile.back, at));
       }
-      made.t_near = load_floats(tile.skip + at);
+      made.t_near = load_any(tile.skip + at);
       if (start.kind != starts_as_others && tile.inexact[block] != 0) start_inexact(start, tile, block, lane, made);
       append(made, wanted, at, rays, count);
       count += static_cast<uint32_t>(__builtin_popcount(wanted));
