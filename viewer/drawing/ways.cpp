@@ -42,8 +42,10 @@ Options options_of(Way way, const Options& base) {
     trial.set(name, base[name]);
     if (sideray_options_check(trial.get(), nullptr) == SIDERAY_OK) options = std::move(trial);
   }
-  if (way == Way::reference && !options.is_set("light-samples"))
-    options.set("light-samples", std::to_string(reference_light_samples));
+  if (way != Way::reference) return options;
+  if (!options.is_set("light-samples")) options.set("light-samples", std::to_string(reference_light_samples));
+  // Pictures have light that bounces, so the truth beside them has it too.
+  if (!options.is_set("bounces")) options.set("bounces", "unlimited");
   return options;
 }
 
