@@ -138,19 +138,27 @@ void DiffusePaths::find_sky() {
 // Diffuse reflection receives the sky's light along the next ray, whose direction is sampled by the cosine. Other lobes
 // and transmission receive all of the sky, or nothing.
 void DiffusePaths::show_sky() {
-  batch_.reflect_environment();
   const std::span<AroundBlock> around = batch_.around();
-  sky_.resize(points_.size());
-  environment_.specular(ways_, blur_of_open_sky, sky_.data());
-  for (size_t i = 0; i < points_.size(); ++i) {
-    AroundBlock& a = around[i / block_size];
-    const size_t lane = i % block_size;
+  open_ways_.clear();
+  for (size_t i = 0; i < points_.size(); ++i)
+    if (open_[i]) open_ways_.push_back(ways_[i]);
+  sky_.resize(open_ways_.size());
+  environment_.specular(open_ways_, blur_of_open_sky, sky_.data());
+  size_t seen = 0;
+  for (size_t first = 0; first < points_.size(); first += block_size) {
+    AroundBlock& a = around[first / block_size];
+    uint32_t open = 0;
     const glm::vec3 none(0.0f);
-    set_vector(a.irradiance, lane, open_[i] ? sky_[i] : none);
-    if (open_[i]) continue;
-    set_vector(a.behind, lane, none);
-    set_vector(a.specular, lane, none);
-    set_vector(a.coat, lane, none);
+    for (size_t i = first; i < std::min(first + block_size, points_.size()); ++i) {
+      const size_t lane = i - first;
+      open |= uint32_t{open_[i]} << lane;
+      set_vector(a.irradiance, lane, open_[i] ? sky_[seen++] : none);
+      if (open_[i]) continue;
+      set_vector(a.behind, lane, none);
+      set_vector(a.specular, lane, none);
+      set_vector(a.coat, lane, none);
+    }
+    if (open != 0) batch_.reflect_environment(first / block_size, open);
   }
 }
 

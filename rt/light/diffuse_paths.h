@@ -71,7 +71,8 @@ class DiffusePaths {
   std::vector<uint32_t> next_points_, end_points_;
   std::vector<glm::vec3> reflected_;  // for next_: the path's reflectance
   std::vector<Hit> next_hits_;
-  std::vector<glm::vec3> ways_, sky_;  // for each point: direction of its next ray, and the sky's light there
+  std::vector<glm::vec3> ways_;             // direction of each point's next ray
+  std::vector<glm::vec3> open_ways_, sky_;  // those that leave the scene, and the sky's light there
   std::vector<uint8_t> hidden_, open_;
 };
 

@@ -129,7 +129,7 @@ void HitShader::see_own_surroundings(std::span<const ReusedRays> reused) {
     uint32_t lanes = 0;
     for (size_t i = first; i < std::min(first + block_size, reused.size()); ++i)
       lanes |= uint32_t{reused[i].has_mirror && reused[i].nearness == 0.0f} << (i - first);
-    if (lanes != 0) seen_.reflect_environment(first / block_size, lanes);
+    if (lanes != 0) seen_.reflect_environment_in_base(first / block_size, lanes);
   }
 }
 

@@ -321,17 +321,20 @@ void SurfaceBatch::let_arrive_in_mirrors(std::span<const ArrivingLight> arriving
 void SurfaceBatch::reflect_environment() {
   if (scene_->snapshot->environment->black) return;
   for (size_t b = 0; b < blocks_.size(); ++b) {
-    AroundBlock& a = around_[b];
     const size_t count = std::min<size_t>(block_size, count_ - b * block_size);
-    const uint32_t all = (1u << count) - 1u;
-    look_up(a.mirror, {a.normal, a.roughness}, all, a.specular);
-    if (a.coated == 0) continue;
-    look_up(a.coat_mirror, lobe_of(blocks_[b], offsetof(SrSurface, coat_normal), offsetof(SrSurface, coat_roughness)),
-            a.coated & all, a.coat);
+    reflect_environment(b, (1u << count) - 1u);
   }
 }
 
 void SurfaceBatch::reflect_environment(size_t block, uint32_t lanes) {
+  reflect_environment_in_base(block, lanes);
+  AroundBlock& a = around_[block];
+  if (scene_->snapshot->environment->black || (a.coated & lanes) == 0) return;
+  look_up(a.coat_mirror, lobe_of(blocks_[block], offsetof(SrSurface, coat_normal), offsetof(SrSurface, coat_roughness)),
+          a.coated & lanes, a.coat);
+}
+
+void SurfaceBatch::reflect_environment_in_base(size_t block, uint32_t lanes) {
   if (scene_->snapshot->environment->black) return;
   AroundBlock& a = around_[block];
   look_up(a.mirror, {a.normal, a.roughness}, lanes, a.specular);

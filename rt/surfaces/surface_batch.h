@@ -87,8 +87,10 @@ class SurfaceBatch {
 
   // Fills in the prefiltered environment as light from the mirror directions.
   void reflect_environment();
-  // Does so for the lanes of one block whose bit is set, without coats.
+  // Does so for the lanes of one block whose bit is set.
   void reflect_environment(size_t block, uint32_t lanes);
+  // Does so without coats.
+  void reflect_environment_in_base(size_t block, uint32_t lanes);
 
   // Writes environment_specular_at() of each place, with the same bits.
   void surroundings(std::span<const EnvironmentPlace> places, glm::vec3* radiance) const;
