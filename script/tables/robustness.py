@@ -24,32 +24,32 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 # What somebody sees, why, what to choose, and the measures that tell: a case, and the variants that the choice is about
 # ("" = those of the default).
 SYMPTOMS = [
-    ("My glass flickers at a distance", "panes are closer together than a fragment tells layers apart", "a surface id for each surface and "
+    ("Glass flickers at a distance", "panes are closer together than the tolerance of matching", "a surface id for each surface and "
      "`--diagnose match=id`, the default; `match=nearest` only where surfaces have no ids", ["match-distance", "match-gap"]),
-    ("My glass, or a shadow, flickers at rest", "one random direction a pixel, new in each frame", "`--denoise on` and `--taa on` together, "
+    ("Glass or a shadow flickers at rest", "one random direction a pixel, new in each frame", "`--denoise on` and `--taa on` together, "
      "the defaults of sequences", ["settling"]),
     ("A pane shows the colours of the pane behind it", "the threshold on distances is wider than the gap", "`--diagnose match=id`; a larger near "
      "plane does not help", ["match-gap", "match-near", "match-incidence"]),
     ("The third pane, or a thin wall, is missing", "listing 50-1 adds distances up, and a ray that starts again misses or hits twice",
      "`--diagnose step=multihit`, the default, or `retrace`", ["layer-gap", "layer-count", "ray-layers"]),
     ("Panes in one plane fight", "no distance tells them apart", "`step=multihit`: they come in the order of their ids", ["coplanar"]),
-    ("Layers are lost on scaled or mirrored objects", "distances in object space are taken for those of the world", "`step=multihit`",
+    ("Layers are lost on scaled or mirrored objects", "distances in object space are compared with those in world space", "`step=multihit`",
      ["instance-scale"]),
     ("Things far from the origin jitter or lose layers", "floats have 24 bits", "nothing: positions are kept in double precision", ["world-offset"]),
-    ("A plain floor has specks of shadow", "the depth at which the ray starts is rounded", "nothing in this program; a host with its "
-     "own depth moves the start by half a step of its format and 2^-21 z toward the eye", ["self-shadow", "depth-format"]),
+    ("A plain floor has specks of shadow", "the depth at which the ray starts is rounded", "nothing: rays start beyond the error of the "
+     "depth format; `shadow_bias_steps` for depth less exact than its format", ["self-shadow", "depth-format"]),
     ("Plants in the wind shadow themselves", "rays hit the plant at rest", "`--inexact restpose`, the default; `bounded` and `tmin` fail too",
      ["wind-gap"]),
-    ("Things float: shadows are missing where they touch the ground", "the inexact test leaves out what is close to the ray's start",
-     "`--inexact restpose`, or `--diagnose inexact-target` so that the ground does not take the test", ["contact"]),
+    ("Things float: shadows are missing where they touch the ground", "the inexact test ignores hits close to the ray's start",
+     "`--inexact restpose`, or `--diagnose inexact-target` so that the ground is tested exactly", ["contact"]),
     ("Leaves cast too much or too little shadow", "a texel of a shadow map is larger than a leaf", "`--shadows exact` or `inexact`",
      ["leaves"]),
-    ("A shadow trails behind what casts it", "denoising and anti-aliasing average over frames", "`--taa off` where ghosts matter more than edges",
+    ("A shadow trails behind its caster", "denoising and anti-aliasing average over frames", "`--taa off` where ghosts matter more than edges",
      ["settling"]),
-    ("Glass that moves shows colours of where it was", "a host takes layers a frame late", "`sideray_translucent_moving`", ["late-glass"]),
-    ("A room glows behind a thin wall, or light trails behind a lamp or a door", "light that bounces is shared by pixels and kept over frames",
-     "`--ambient bounce`, the default, whose rays ask what stands between; `ao` lacks the light of other surfaces", ["bounce"]),
-    ("A mesh with broken triangles lets rays through", "degenerate or non-finite triangles", "nothing: they are dropped, and the rest stays",
+    ("Moving glass shows colours of its previous place", "a host takes layers a frame late", "`sideray_translucent_moving`", ["late-glass"]),
+    ("A room glows behind a thin wall, or light trails behind a lamp or a door", "pixels share light that bounces, and reuse it over frames",
+     "`--ambient bounce`, the default, whose rays test for occluders between; `ao` lacks the light of other surfaces", ["bounce"]),
+    ("A mesh with broken triangles lets rays through", "degenerate or non-finite triangles", "nothing: these are dropped, the rest stays",
      ["broken-triangles"]),
 ]
 
@@ -248,10 +248,10 @@ def page(groups, defaults, ended, command, size, devices):
         for key, rows in table.items():
             bounds.setdefault(key[:2], []).extend(row["bound"] for row in rows)
     lines = ["# Robustness atlas", "",
-             "Where methods break, and what to choose.",
+             "Where methods fail, and what to choose.",
              "", f"Written by `{command}` from [`sideray stress`](cli.md#stress), {size}.",
              "A case sweeps one value and counts errors against a closed form or an exact oracle; a method holds if every value is within the",
-             "bound. NAME=VALUE is of `--diagnose`; listings are those of the chapter, as printed.", "",
+             "bound. NAME=VALUE is of `--diagnose`; listings are those of Ray Tracing Gems II, as printed.", "",
              f"Drivers: {'; '.join(title(names) for names, _ in groups)}.",
              *other_machines(devices), "", "## What you see, and what to choose", ""]
     lines += list(symptom_lines(groups, defaults))
@@ -289,8 +289,8 @@ def alone_lines(program, results, full, text):
             differ.append(f"{variant_name(variant)} of {case} ({said})")
     yield ALONE_HEAD
     yield ""
-    yield "With `--gl none` values have the same bits for each instruction set. In wind-gap and contact nothing is inexact, since rays find what is"
-    yield f"seen; {', '.join(meaningless)} have no meaning, since no fragment looks for layers."
+    yield "With `--gl none` values have the same bits for each instruction set. In wind-gap and contact nothing is inexact, since rays hit the drawn"
+    yield f"pose; {', '.join(meaningless)} do not apply, since no fragment looks up layers."
     yield f"The defaults {'fail in ' + ', '.join(failing) if failing else 'hold in all cases'}. Other methods fail as counted below" + (
         f", except {', '.join(differ)}." if differ else ".")
     yield ""
@@ -308,7 +308,7 @@ def with_section(text, lines):
 
 
 SOFTPIPE = """**Do not use softpipe** (`GALLIUM_DRIVER=softpipe`). It has no `gl_PrimitiveID` without a geometry shader, so every opaque pixel
-reads as empty, without an OpenGL error. `sideray` warns of it, and `sideray devices` says which driver is used.""".split("\n")
+reads as empty, without an OpenGL error. `sideray` warns of it, and `sideray devices` names the driver.""".split("\n")
 
 
 def main():
