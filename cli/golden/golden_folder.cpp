@@ -28,6 +28,8 @@ constexpr uint64_t most_bytes = uint64_t{8} << 30;
 scenes::Image recorded_image(const std::string& where, const std::string& file, const GoldenPicture& entry,
                              const std::string& digest) {
   const std::string path = where + "/" + file;
+  std::error_code ignored;
+  if (!fs::exists(path, ignored)) scenes::refuse("{}: is missing; restore it, or record again", path);
   scenes::Image image = scenes::read_image(path);
   if (image.width != entry.width || image.height != entry.height)
     scenes::refuse("{}: is {}x{}, recorded were {}x{}; restore it, or record again", path, image.width, image.height,

@@ -104,7 +104,7 @@ void ShadowFilter::fit(const ShadowFilterInput& input) {
          height_);
   tiles_.assign(size_t{tiles_x_} * tiles_y_, {});
   row_states_.assign(tiles_y_, {});
-  for (std::vector<float>& plane : planes_) plane.assign(size, 0.0f);
+  for (ZeroedVector<float>& plane : planes_) plane = ZeroedVector<float>(size);
   for (auto& frame : history_)
     for (std::vector<float>& plane : frame) plane.clear();
   follows_ = false;

@@ -11,6 +11,7 @@
 
 #include "rt/base/executor.h"
 #include "rt/masks/kernels/shadow_kernels.h"
+#include "rt/masks/zeroed_vector.h"
 #include "shaders/light/shadow_filter_cpp.h"
 
 namespace sideray::rt {
@@ -122,7 +123,8 @@ class ShadowFilter {
   // For this frame: the filter whose reach this one uses; in a leader, all filters that use its reach, itself first.
   ShadowFilter* leader_ = nullptr;
   std::vector<Sharing> sharing_;
-  std::vector<float> planes_[plane_count], history_[2][history_plane_count];
+  ZeroedVector<float> planes_[plane_count];
+  std::vector<float> history_[2][history_plane_count];
 };
 
 }  // namespace sideray::rt

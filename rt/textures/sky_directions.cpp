@@ -12,7 +12,8 @@ namespace {
 
 constexpr uint32_t faces = 6;
 constexpr uint32_t cells_across = 16, face_cells = cells_across * cells_across, cell_count = faces * face_cells;
-constexpr uint32_t facings_across = 8, facing_count = faces * facings_across * facings_across;
+// Odd: the normals of walls and floors are at cells' centres. At an edge of cells, rounding would select their table.
+constexpr uint32_t facings_across = 9, facing_count = faces * facings_across * facings_across;
 constexpr uint32_t guide_count = 1024;
 // Share of the samples that ignore the environment. They bound every weight: if a table is too low, because a normal is
 // not at its cell's centre, only noise grows (defensive sampling, Hesterberg 1995).

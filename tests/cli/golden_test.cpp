@@ -243,7 +243,7 @@ TEST_F(Golden, WhatIsDamagedIsNamedAndStaysAsItIs) {
     broken([&] { std::ofstream(manifest_file) << text.substr(0, text.size() / 2); }, "manifest.json: is not a manifest", command);
     broken([&] { std::ofstream(manifest_file) << R"({"schema": 1, "pictures": 3})"; }, "manifest.json: is not a manifest", command);
   }
-  broken([&] { fs::remove(references + "/a.png"); }, "references/a.png");
+  broken([&] { fs::remove(references + "/a.png"); }, "references/a.png: is missing; restore it, or record again");
   broken([&] { fs::remove(references + "/sub/b.ids.exr"); }, "b.ids.exr");
   broken([&] { fs::resize_file(references + "/sub/b.exr", 200); }, "b.exr");
   broken([&] { (void)run("render panes --gl none --size 48x27 -o d/references/a.png"); }, "a.png: is not the picture that was recorded");
