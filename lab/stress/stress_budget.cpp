@@ -214,8 +214,8 @@ void test_change(StressStage& stage, const Change& change, std::vector<StressRow
     const uint32_t most_turns = is_brief ? turns.front() : turns.back();
     const Play budgeted = play(stage, world_of(limit.pieces, limit.in_turns), change, before, most_turns * slower + 1);
     StressRow row;
-    // A budget too short for any job is not the default, and shows late what moves. Of the quick changes the cut holds.
-    row.name = "budget", row.variant = limit.variant, row.is_default = !limit.in_turns || stage.quick;
+    // A budget too short for any job shows late what moves: its rows are required only where no history may be shown.
+    row.name = "budget", row.variant = limit.variant, row.is_default = !limit.in_turns || !change.keeps_past;
     row.parameters = {{"change", change.name}, {"pieces", std::max(limit.pieces, 1u)}, {"of", all}};
     row.bound = visible;
     const auto add = [&](const std::string& measure, double value) {

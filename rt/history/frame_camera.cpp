@@ -119,6 +119,12 @@ bool FrameCamera::sees_as(const FrameCamera& other) const {
   return true;
 }
 
+bool FrameCamera::shares_lines(const FrameCamera& other) const {
+  if (perspective != other.perspective) return false;
+  return perspective ? glm::distance(origin, other.origin) <= same_eye * (1.0 + glm::length(origin))
+                     : glm::distance(forward, other.forward) <= same_eye;
+}
+
 void fill_depths(Executor& executor, const DepthImage& image, const FrameCamera& camera, std::vector<float>& depths) {
   const auto width = static_cast<uint32_t>(camera.size.x), height = static_cast<uint32_t>(camera.size.y);
   depths.resize(size_t{width} * height);

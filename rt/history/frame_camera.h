@@ -50,6 +50,8 @@ struct FrameCamera {
   std::optional<glm::dvec3> point(glm::dvec2 pixel, const SeenPlane& plane, glm::dvec2 place) const;
   // Returns whether all points have the same position in both views, to within a 1024th of a pixel.
   bool sees_as(const FrameCamera& other) const;
+  // Returns whether all points are seen along the same lines: mirrors show the same at the same points.
+  bool shares_lines(const FrameCamera& other) const;
   // Returns the width of a pixel's footprint at a distance, near the middle of the picture.
   double breadth(double distance) const;
 

@@ -81,6 +81,7 @@ void PixelTrail::begin(const TraceView& view, const DepthImage& depth, glm::uvec
   if (depths.empty()) fill_depths(executor, depth, *camera_, depth_);
   else depth_.assign(depths.begin(), depths.end());
   same_view_ = before_ && camera_->sees_as(*before_);
+  same_lines_ = before_ && camera_->shares_lines(*before_);
   if (same_view_) camera_ = before_;  // slow movement is compared with the place where it began, until it counts
   from_.resize(size_t{width_} * height_);
   tiles_from_.resize(size_t{tile_count(width_)} * tile_count(height_));

@@ -35,6 +35,8 @@ class PixelTrail {
   bool follows(uint64_t step) const { return before_ && step + 1 == step_; }
   // Returns whether the view equals the previous one, to a thousandth of a pixel.
   bool same_view() const { return same_view_; }
+  // Returns whether mirrors at rest show the same as in the previous frame; the view may turn and zoom.
+  bool same_lines() const { return same_lines_; }
   const FrameCamera& camera() const { return *camera_; }
   // Returns the frame's depths along the camera's axis, as fill_depths() does.
   const std::vector<float>& depths() const { return depth_; }
@@ -59,7 +61,7 @@ class PixelTrail {
   uint32_t width_ = 0, height_ = 0;
   uint64_t frame_ = 0, step_ = 0;
   uint32_t number_ = 0;  // frames since the last one without a previous frame
-  bool same_view_ = false;
+  bool same_view_ = false, same_lines_ = false;
   glm::dvec3 origin_{0.0};
   std::optional<FrameCamera> camera_, before_;
   std::vector<float> depth_, depth_before_;

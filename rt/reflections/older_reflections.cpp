@@ -25,6 +25,7 @@ void OlderReflections::begin(const ReflectionRequest& r, TracedScene& scene, Ref
   moves_ = trail_->follows(std::exchange(step_, trail_->step())) && follows(r, *committed) &&
            image.radiance.size() == 4 * pixels;
   known_ = false;
+  step_of_age_ = trail_->same_lines() && committed == committed_ ? 0 : 1;
   number_ = moves_ ? number_ + 1 : 1;
   if (!moves_) turns_.assign(size_t{tile_count(r.width)} * tile_count(r.height), 0);
   std::swap(image.radiance, then_);
@@ -50,7 +51,13 @@ void OlderReflections::for_rows(size_t tile, const Work& work) const {
 
 std::vector<uint8_t> OlderReflections::answers() const {
   std::vector<uint8_t> answers = ages_;
-  for (uint8_t& answer : answers) answer = static_cast<uint8_t>(answer + (answer != 0 && answer != no_answer));
+  for (size_t tile = 0; tile < turns_.size() && !answers.empty(); ++tile) {
+    if (turns_[tile] == number_) continue;
+    for_rows(tile, [&](uint32_t x, uint32_t y, uint32_t count) {
+      for (size_t i = size_t{y} * width_ + x; i < size_t{y} * width_ + x + count; ++i)
+        answers[i] = static_cast<uint8_t>(answers[i] + (answers[i] != no_answer));
+    });
+  }
   return answers;
 }
 
@@ -91,7 +98,7 @@ void OlderReflections::leave(const ReflectionRequest& r, size_t tile, Reflection
     for (uint32_t i = 0; i < count; ++i) {
       const uint32_t then = reflects[i] ? from[i] : PixelTrail::nowhere;
       const bool shows = then != PixelTrail::nowhere && ages_then_[then] < oldest && then_[size_t{4} * then + 3] != 0;
-      ages_[first + i] = shows ? static_cast<uint8_t>(ages_then_[then] + 1) : no_answer;
+      ages_[first + i] = shows ? static_cast<uint8_t>(ages_then_[then] + step_of_age_) : no_answer;
       if (shows) std::copy_n(&then_[size_t{4} * then], 4, &image.radiance[4 * (first + i)]);
       else std::fill_n(&image.radiance[4 * (first + i)], 4, uint16_t{0});
       older += shows;

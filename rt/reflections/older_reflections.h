@@ -17,7 +17,8 @@ namespace sideray::rt {
 
 class OlderReflections {
  public:
-  // History expires after this many frames, because reflections move differently from their surfaces.
+  // History expires after this many frames in which the eye or the scene moved, because reflections move differently
+  // from their surfaces.
   static constexpr uint8_t oldest = 60;
   static constexpr uint8_t no_answer = 255;  // instead of an age
 
@@ -47,6 +48,7 @@ class OlderReflections {
 
   bool known_ = false, moves_ = false;  // the last frame's image is complete; it is reprojected into this one
   uint32_t width_ = 0, height_ = 0, number_ = 0;
+  uint8_t step_of_age_ = 0;  // by which history ages in this frame
   float max_roughness_ = 0.0f;
   bool shadows_ = false, light_bounces_ = false, denoise_ = false;
   std::shared_ptr<const model::Snapshot> committed_;

@@ -273,6 +273,107 @@ TEST_F(Jobs, OfSeveralFramesComeInOrder) {
   EXPECT_EQ(texels(last.layers) == whole.layers && texels(last.masks) == whole.masks, true);
 }
 
+// Under a budget too short for any job, the job that waited longest traces.
+class JobsInTurns : public Jobs {
+ protected:
+  FrameInputs of_view(uint32_t view, const char* name) const {
+    FrameInputs in = inputs(name);
+    in.frame.view_id = view;
+    in.frame.budget_ms = 1e-3f;
+    return in;
+  }
+  // Keeps the worker busy with layers of view 0, outside of any budget.
+  sideray_ticket keep_worker_busy() {
+    shader_.hold = true;
+    const sideray_ticket ticket = submit(inputs("count in stencil"));
+    EXPECT_EQ(wait(ticket, layers_job, 20), SIDERAY_NOT_READY);
+    return ticket;
+  }
+  void advance() { EXPECT_EQ(sideray_service_advance(service_, nullptr), SIDERAY_OK); }
+  // Submits a frame whose jobs the budget expects: its depth is mapped, and the worker has taken none of them.
+  sideray_ticket submit_expected(const FrameInputs& in) {
+    const sideray_ticket ticket = submit(in);
+    host_.gl.Finish();
+    advance();
+    return ticket;
+  }
+  void cancel(sideray_ticket ticket) {
+    EXPECT_EQ(sideray_service_cancel(service_, ticket, nullptr), SIDERAY_OK);
+    advance();
+  }
+  bool has_traced(sideray_ticket ticket) {
+    EXPECT_EQ(wait(ticket, all_jobs), SIDERAY_OK);
+    sideray_frame_stats stats{};
+    stats.size = sizeof(stats);
+    EXPECT_EQ(sideray_service_stats(service_, ticket, &stats, nullptr), SIDERAY_OK);
+    return stats.rays_shadow + stats.rays_ao > 0;
+  }
+  // Lets all jobs of view 1 but one wait for a frame, so that they go before a job that has not waited.
+  void let_view_1_wait() { EXPECT_EQ(wait(submit(of_view(1, "everything")), all_jobs), SIDERAY_OK); }
+};
+
+// One of the cancelled frames is in the worker's queue, the other waits for it.
+TEST_F(JobsInTurns, GoOnAtOnceWhereAnotherViewsFramesAreCancelled) {
+  let_view_1_wait();
+  const sideray_ticket busy = keep_worker_busy();
+  const sideray_ticket queued = submit_expected(of_view(1, "everything"));
+  const sideray_ticket waiting = submit_expected(of_view(1, "everything"));
+  cancel(waiting);
+  cancel(queued);
+  shader_.hold = false;
+  EXPECT_EQ(wait(busy, layers_job), SIDERAY_OK);
+  EXPECT_EQ(wait(queued, all_jobs), SIDERAY_CANCELLED);
+  EXPECT_EQ(wait(waiting, all_jobs), SIDERAY_CANCELLED);
+  EXPECT_TRUE(has_traced(submit(of_view(2, "masks"))));
+}
+
+TEST_F(JobsInTurns, WaitForAnotherViewsFrameWhoseNextOneIsCancelledWhileItIsRead) {
+  let_view_1_wait();
+  const sideray_ticket busy = keep_worker_busy();
+  const sideray_ticket masks = submit_expected(of_view(2, "masks"));
+  const sideray_ticket expected = submit_expected(of_view(1, "everything"));
+  cancel(submit(of_view(1, "everything")));
+  shader_.hold = false;
+  EXPECT_EQ(wait(busy, layers_job), SIDERAY_OK);
+  EXPECT_FALSE(has_traced(masks));
+  EXPECT_EQ(wait(expected, all_jobs), SIDERAY_OK);
+}
+
+// The sun is a point and the pane, turned toward the wall, is matt: only bounced light draws random numbers.
+TEST_F(Jobs, DrawBouncedLightByTheSeed) {
+  constexpr float corners[] = {-1, -1, -1, 1, -1, 1, 1, 1, 1, -1, 1, -1};
+  constexpr uint32_t indices[] = {0, 1, 2, 0, 2, 3};
+  sideray_mesh_desc mesh = sideray_mesh_defaults();
+  mesh.vertex_count = 4, mesh.index_count = 6;
+  mesh.positions.data = corners, mesh.indices = indices;
+  sideray_material_desc matt = sideray_material_defaults();
+  matt.alpha_mode = SIDERAY_BLEND, matt.base_color[3] = 0.5f, matt.double_sided = 1, matt.specular = 0;
+  sideray_instance_desc pane{};
+  pane.mesh = host_.scene().add_mesh(mesh), pane.material = host_.scene().add_material(matt);
+  for (int i : {0, 4, 8}) pane.world_from_object[i] = 0.5;
+  pane.world_from_object[11] = 1.0;
+  pane.surface_id = SmallHost::glass_id, pane.visibility = SIDERAY_VISIBLE_ALL;
+  sideray_light sun = sideray_light_defaults();
+  sun.type = SIDERAY_LIGHT_DIRECTIONAL;
+  sun.direction[2] = -1.0f, sun.intensity[0] = 1.0f;
+  const sideray_instance before = host_.pane();
+  host_.scene().replace_instances({&before, 1}, {&pane, 1});
+  host_.scene().set_lights({&sun, 1});
+  host_.scene().set_built_in_shader();
+  host_.scene().commit();
+  const auto layers = [&](uint32_t seed, bool bounces) {
+    FrameInputs in = inputs("count in stencil");
+    in.frame.seed = seed;
+    in.layers->denoise = 0;
+    if (bounces) in.irradiance = sideray_irradiance_inputs_defaults();
+    EXPECT_EQ(wait(submit(in), all_jobs | SIDERAY_JOB_IRRADIANCE), SIDERAY_OK);
+    return texels(newest().layers);
+  };
+  EXPECT_EQ(SmallHost::difference(layers(1, false), layers(2, false)), "");
+  EXPECT_EQ(SmallHost::difference(layers(1, true), layers(1, true)), "");
+  EXPECT_NE(SmallHost::difference(layers(1, true), layers(2, true)), "");
+}
+
 TEST_F(Jobs, ThatAskForNothingAreRefusedByName) {
   const auto refused = [&](const FrameInputs& in, sideray_status expected, const char* named) {
     sideray_ticket ticket = 0;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <glm/gtc/matrix_transform.hpp>
+
 #include "rt/tracer_scene.h"
 
 namespace sideray::rt::frame_camera_test {
@@ -61,6 +63,19 @@ TEST_P(CameraOfAFrame, sees_as_another_that_neither_moves_nor_turns) {
   EXPECT_FALSE(sees_as(eye, target + aside)) << "turned";
   EXPECT_FALSE(camera_.sees_as(FrameCamera(view_of(!GetParam()), width, height)));
   EXPECT_FALSE(camera_.sees_as(FrameCamera(view_of(GetParam()), width, height + 1)));
+}
+
+TEST_P(CameraOfAFrame, shares_lines_with_another_that_shifts_its_picture) {
+  const auto shares_lines = [&](const TraceView& view) { return camera_.shares_lines(FrameCamera(view, width, height)); };
+  const TraceView view = view_of(GetParam());
+  TraceView jittered = view;
+  jittered.clip_from_local = glm::translate(glm::dmat4(1.0), glm::dvec3(0.01, 0, 0)) * view.clip_from_local;
+  const glm::dvec3 aside(0.01, 0, 0);
+  EXPECT_TRUE(shares_lines(view));
+  EXPECT_TRUE(shares_lines(jittered));
+  EXPECT_EQ(shares_lines(view_of(GetParam(), eye, target + aside)), GetParam()) << "turned";
+  EXPECT_EQ(shares_lines(view_of(GetParam(), eye + aside, target + aside)), !GetParam()) << "moved";
+  EXPECT_FALSE(shares_lines(view_of(!GetParam())));
 }
 
 // A pixel of 64 in a height of 4 is 1 / 16 wide; in perspective it is as wide as the picture's angle says.

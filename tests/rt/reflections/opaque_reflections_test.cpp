@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "rt/base/view_rays.h"
+#include "rt/reflections/older_reflections.h"
 #include "rt/textures/environment_lookup.h"
 #include "rt/tracer_scene.h"
 
@@ -290,6 +292,35 @@ TEST(OpaqueReflections, RoughOnesDoNotSeeWhatIsHidden) {
   const double hidden = light(true), open = light(false);
   EXPECT_GT(open, 1.0);
   EXPECT_LT(hidden, 0.1 * open);
+}
+
+// A budget may take more frames for all tiles than a reflection lasts in motion. A view at rest must be complete then.
+TEST(OpaqueReflections, ExpireUnderABudgetWhileTheEyeMovesAlone) {
+  const auto snapshot = room(false);
+  for (const bool moves : {false, true}) {
+    Tracer tracer({2, ""});
+    tracer.set_scene(snapshot);
+    FloorFrame frame(smooth);
+    OlderReflections older;
+    ReflectionImage image;
+    Counters counters;
+    for (int number = 0; number <= OlderReflections::oldest + 1; ++number) {
+      PiecesLeft pieces = number == 0 ? 100 : 0;
+      ReflectionRequest request = frame.request();
+      request.sequence = number == 0 ? SequenceStep::first : SequenceStep::next;
+      request.older = &older;
+      request.work.pieces = &pieces;
+      if (moves) request.view = perspective({1e-5 * number, 1, 0}, {0, 0.4, -3}, 0.8, double{width} / height);
+      counters = tracer.trace_reflections(request, image);
+      if (number == OlderReflections::oldest) {
+        EXPECT_GT(counters.reflection_pixels_older, 400u) << moves;
+      }
+    }
+    EXPECT_EQ(counters.reflection_pixels_older == 0, moves);
+    EXPECT_EQ(counters.reflection_pixels_late == 0, !moves);
+    const std::vector<uint8_t> answers = older.answers();
+    EXPECT_EQ(std::ranges::count(answers, 0), 0) << "nothing was traced";
+  }
 }
 
 TEST(OpaqueReflections, TheSameBitsForAnyNumberOfThreads) {
