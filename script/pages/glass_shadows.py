@@ -3,8 +3,9 @@
 
     PYTHONPATH=build/python script/pages/glass_shadows.py GlassTable.glb CupAndWater.glb
 
-Needs Debian's python3-numpy and python3-pil, and the package mujoco for the last scene.
+Needs Debian's python3-numpy and python3-pil.
 """
+import dataclasses
 import pathlib
 import sys
 import tempfile
@@ -27,9 +28,10 @@ def glass_of(scene, camera):
     return np.unique(layers.instance[layers.kind >= sideray.SurfaceKind.BLEND])
 
 
-def pair(renderer, scene, camera=None):
+def pair(renderer, scene, camera, zoom):
     """The picture without shadows of glass, and the picture with them."""
     seen = scene.get_camera(camera, aspect=SIZE[0] / SIZE[1])
+    seen = dataclasses.replace(seen, yfov=seen.yfov / zoom)
     glass, pictures = glass_of(scene, seen), []
     for visibility in (WITHOUT_SHADOWS, WITH_SHADOWS):
         for instance in glass:
@@ -38,19 +40,30 @@ def pair(renderer, scene, camera=None):
     return pictures
 
 
+def on_floor(scene):
+    low, high = scene.bounds
+    x, z, reach = 0.5 * (low[0] + high[0]), 0.5 * (low[2] + high[2]), 2 * np.max(high - low)
+    corners = [[x - reach, low[1], z - reach], [x - reach, low[1], z + reach], [x + reach, low[1], z + reach], [x + reach, low[1], z - reach]]
+    scene.add_mesh(corners, [[0, 1, 2], [0, 2, 3]], material={"base_color": (0.7, 0.68, 0.64, 1.0), "roughness": 0.9})
+    return scene
+
+
 def data_set_scene(folder):
     import glassware
     path = str(pathlib.Path(folder) / "glasses.glb")
-    glassware.write_scene(path, 1, 3)
+    glassware.write_scene(path, 1, 8)
     return sideray.load(path)
 
 
 def scenes(table, cup, folder):
-    yield sideray.load("solids"), None
-    yield sideray.load(table), None
-    yield sideray.load(cup), None
-    yield sideray.load("bistro"), "table"
-    yield data_set_scene(folder), None
+    """Scene, camera and zoom of each row."""
+    yield sideray.load("solids"), None, 1.0
+    framed = sideray.load(table)
+    camera = framed.get_camera(aspect=SIZE[0] / SIZE[1])
+    yield on_floor(framed), camera, 1.7
+    yield sideray.load(cup), None, 3.0
+    yield sideray.load("bistro"), "table", 1.0
+    yield data_set_scene(folder), None, 1.0
 
 
 def main():
