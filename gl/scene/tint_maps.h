@@ -21,7 +21,7 @@ class TintMaps {
  public:
   explicit TintMaps(const Functions& gl) : gl_(gl) {}
 
-  // Returns the side of the maps beside so many shadow maps: half of theirs, less where that would take too much memory.
+  // Returns the side of the maps beside so many shadow maps: half of theirs, or less where memory limits it.
   static uint32_t side_of(uint32_t shadow_map_side, uint32_t layers);
 
   // Makes the next draw() draw anew.

@@ -8,8 +8,8 @@ uniform float middle_away;  // distance of the instance's centre, which others a
 uniform bool reversed_depth;
 in vec3 v_position;
 
-// Returns the share of rays that pass a surface before they end at the light's sphere. Of a bulb whose radius is
-// `distance`, a cylinder's is taken: less than a plane's, more than a sphere's.
+// Returns the share of a light's rays that pass a surface before they end at the light's sphere. Inside, it is that of
+// a cylinder around the light: less than a plane's, more than that of a sphere, which no ray reaches.
 float passing_share(float distance) {
   float inside = distance / max(light_radius, 1e-30);
   if (inside >= 1.0) return 1.0;

@@ -86,7 +86,8 @@ TEST(ShadowPlan, maps_begin_inside_the_lights_sphere) {
     model::Light light = light_of(type);
     light.radius = radius;
     const glm::mat4 down_clip = [&] {
-      const std::vector<glm::mat4> all = plan_shadow_maps({light}, one_caster(), {true, 256, 16384}).lights[0].clip_from_local;
+      const ShadowPlan plan = plan_shadow_maps({light}, one_caster(), {true, 256, 16384});
+      const std::vector<glm::mat4>& all = plan.lights[0].clip_from_local;
       return all.size() == 1 ? all[0] : all[3];
     }();
     const auto is_in_front = [&](glm::vec3 p) {

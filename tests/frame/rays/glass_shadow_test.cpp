@@ -314,8 +314,8 @@ sideray_light lamp_above(double height, double radius) {
   return lamp;
 }
 
-// Rays end at a lamp's sphere, and maps lack the glass inside of it: a bulb as large as its lamp does not tint. Twice as
-// far away glass tints all light.
+// Rays end at a lamp's sphere, and maps lack the glass deep inside. Glass a little inside tints a share of the light,
+// and glass outside all of it.
 TEST(GlassShadow, MapsLackWhatIsInsideLamps) {
   sideray_material_desc veil = sideray_material_defaults();
   veil.alpha_mode = SIDERAY_BLEND;
