@@ -108,8 +108,8 @@ void add_shadow_maps(const model::Snapshot& snapshot, const FramePlan& plan, Tex
     if (layers > 0) textures.push_back({name, "DEPTH_COMPONENT32F", side, side, layers, 4});
   };
   const auto add_tints = [&](const char* name, uint32_t side, uint32_t layers) {
-    const uint32_t small = gl::TintMaps::side_of(side), made = gl::TintMaps::layers_of(side, layers);
-    if (made > 0) textures.push_back({name, "RGBA16F", small, small, made, 8});
+    const uint32_t small = gl::TintMaps::side_of(side, layers);
+    if (layers > 0) textures.push_back({name, "RGBA16F", small, small, layers, 8});
   };
   add("shadow_map.directional", maps.directional_size, maps.directional_layers);
   add("shadow_map.local", maps.local_size, maps.local_layers);

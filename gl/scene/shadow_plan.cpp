@@ -13,8 +13,8 @@ constexpr uint32_t directional_size = 2048, local_size = 1024, smallest_size = 1
 constexpr uint64_t largest_bytes = 256u << 20;  // for all maps together, 4 bytes a texel
 constexpr uint32_t border_texels = 4;           // margin around what must be covered, for the filter
 constexpr float near_share = 1e-4f;             // near plane, as a share of the distance to the farthest caster
-// A cone wider than this (half angle 60 degrees) would waste most of a single frustum.
-constexpr float cos_widest_frustum = 0.5f;
+// A cone wider than this (half angle 60 degrees and rounding) would waste most of a single frustum.
+constexpr float cos_widest_frustum = 0.4999f;
 
 using Bounds = model::Bounds;
 
@@ -128,6 +128,13 @@ float farthest_caster(const model::Light& light, const std::vector<Bounds>& cast
   return light.range > 0.0f ? std::min(farthest, light.range) : farthest;
 }
 
+// Returns the distance of the near plane. All that it cuts off lies inside the light's sphere, where shadow rays end.
+double near_plane(const model::Light& light, ShadowMap map, const std::vector<Bounds>& casters) {
+  constexpr double of_faces = 0.57;  // about the cosine of a cube's corner
+  const double cosine = map == ShadowMap::faces ? of_faces : double{light.cos_outer};
+  return std::max(double{near_share} * double{farthest_caster(light, casters)}, 0.98 * cosine * double{light.radius});
+}
+
 ShadowMap map_for(const model::Light& light, const std::vector<Bounds>& casters) {
   if (casters.empty() || light.intensity == glm::vec3(0)) return ShadowMap::none;
   if (light.type == SIDERAY_LIGHT_DIRECTIONAL) return ShadowMap::directional;
@@ -186,7 +193,7 @@ ShadowPlan plan_shadow_maps(const std::vector<model::Light>& lights, const std::
       fit_directional(lights[i], casters, plan.directional_size, limits.reversed_depth, shadow);
       continue;
     }
-    const double near = double{near_share} * double{farthest_caster(lights[i], casters)};
+    const double near = near_plane(lights[i], shadow.map, casters);
     if (shadow.map == ShadowMap::frustum)
       fit_frustum(lights[i], near, plan.local_size, limits.reversed_depth, shadow);
     else

@@ -8,7 +8,6 @@
 namespace sideray::gl {
 namespace {
 
-constexpr uint32_t half = 2;  // divisor of a shadow map's side
 constexpr uint64_t bytes_a_texel = 8, most_bytes = uint64_t{64} << 20;  // for each kind of map
 constexpr float beyond_all = 65504.0f;
 
@@ -25,17 +24,14 @@ bool is_mirrored(const glm::mat4& clip) {
 
 }  // namespace
 
-uint32_t TintMaps::side_of(uint32_t shadow_map_side) {
-  return shadow_map_side / half;
+uint32_t TintMaps::side_of(uint32_t shadow_map_side, uint32_t layers) {
+  uint64_t side = std::max(shadow_map_side / 2, 1u);
+  while (side > 1 && side * side * layers * bytes_a_texel > most_bytes) side /= 2;
+  return static_cast<uint32_t>(side);
 }
 
-uint32_t TintMaps::layers_of(uint32_t shadow_map_side, uint32_t shadow_map_layers) {
-  const uint64_t side = side_of(shadow_map_side);
-  return side * side * shadow_map_layers * bytes_a_texel > most_bytes ? 0 : shadow_map_layers;
-}
-
-void TintMaps::fit(Maps& maps, uint32_t shadow_map_side, uint32_t shadow_map_layers) const {
-  const uint32_t size = side_of(shadow_map_side), layers = layers_of(shadow_map_side, shadow_map_layers);
+void TintMaps::fit(Maps& maps, uint32_t shadow_map_side, uint32_t layers) const {
+  const uint32_t size = side_of(shadow_map_side, layers);
   if (layers == 0) maps = {};
   if (layers == 0 || (maps.size == size && maps.layers == layers)) return;
   maps = {Texture(gl_), size, layers};
@@ -109,6 +105,7 @@ void TintMaps::draw_layer(RasterScene& scene, RasterPrograms& programs, const mo
       program.use();
       program.set("clip_from_local", clip_from_local);
       program.set("light_place", light_place);
+      program.set("light_radius", is_directional ? 0.0f : light.radius);
       program.set("reversed_depth", static_cast<int>(reversed_depth_));
       current = &program;
     }

@@ -21,13 +21,12 @@ class TintMaps {
  public:
   explicit TintMaps(const Functions& gl) : gl_(gl) {}
 
-  // Return a map's side and its number of layers, which is 0 where they would take too much memory.
-  static uint32_t side_of(uint32_t shadow_map_side);
-  static uint32_t layers_of(uint32_t shadow_map_side, uint32_t shadow_map_layers);
+  // Returns the side of the maps beside so many shadow maps: half of theirs, or less where memory limits it.
+  static uint32_t side_of(uint32_t shadow_map_side, uint32_t layers);
 
   // Makes the next draw() draw anew.
   void forget() { drawn_ = false; }
-  // Draws the maps of a plan where something in the scene tints light and the maps fit.
+  // Draws the maps of a plan where something in the scene tints light.
   void draw(RasterScene& scene, RasterPrograms& programs, const ShadowPlan& plan, bool reversed_depth);
   // Removes the maps until the next draw().
   void leave_out();
@@ -40,7 +39,7 @@ class TintMaps {
     Texture texture;
     uint32_t size = 0, layers = 0;
   };
-  void fit(Maps& maps, uint32_t shadow_map_side, uint32_t shadow_map_layers) const;
+  void fit(Maps& maps, uint32_t shadow_map_side, uint32_t layers) const;
   void draw_layer(RasterScene& scene, RasterPrograms& programs, const model::Light& light,
                   const glm::mat4& clip_from_local) const;
 

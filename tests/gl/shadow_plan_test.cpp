@@ -4,6 +4,9 @@
 
 #include <set>
 
+#include "elementary/functions.h"
+#include "gl/scene/tint_maps.h"
+
 namespace sideray::gl {
 namespace {
 
@@ -66,6 +69,44 @@ TEST(ShadowPlan, maps_hold_their_casters) {
         EXPECT_GE(inside, 1);
       }
     }
+}
+
+TEST(ShadowPlan, a_spot_of_sixty_degrees_has_one_map) {
+  model::Light light = light_of(SIDERAY_LIGHT_SPOT);
+  light.cos_outer = elementary::cos(glm::radians(60.0f));
+  EXPECT_EQ(plan_shadow_maps({light}, one_caster(), {}).lights[0].map, ShadowMap::frustum);
+  light.cos_outer = elementary::cos(glm::radians(61.0f));
+  EXPECT_EQ(plan_shadow_maps({light}, one_caster(), {}).lights[0].map, ShadowMap::faces);
+}
+
+// Shadow rays end at the light's sphere: maps lack what lies well inside, and have all that lies outside.
+TEST(ShadowPlan, maps_begin_inside_the_lights_sphere) {
+  constexpr float radius = 0.5f;
+  for (const sideray_light_type type : {SIDERAY_LIGHT_POINT, SIDERAY_LIGHT_SPOT}) {
+    model::Light light = light_of(type);
+    light.radius = radius;
+    const glm::mat4 down_clip = [&] {
+      const ShadowPlan plan = plan_shadow_maps({light}, one_caster(), {true, 256, 16384});
+      const std::vector<glm::mat4>& all = plan.lights[0].clip_from_local;
+      return all.size() == 1 ? all[0] : all[3];
+    }();
+    const auto is_in_front = [&](glm::vec3 p) {
+      const glm::vec4 clip = down_clip * glm::vec4(p, 1);
+      return clip.z > clip.w;
+    };
+    EXPECT_TRUE(is_in_front({0, -0.5f * radius, 0}));
+    for (const float slope : {0.0f, type == SIDERAY_LIGHT_POINT ? 1.0f : 0.52f})
+      EXPECT_FALSE(is_in_front(radius * glm::normalize(glm::vec3(slope, -1, slope)))) << slope;
+  }
+}
+
+TEST(TintMaps, many_layers_have_smaller_sides) {
+  EXPECT_EQ(TintMaps::side_of(1024, 32), 512u);
+  for (const uint32_t layers : {33u, 48u, 2048u}) {
+    const uint64_t side = TintMaps::side_of(1024, layers);
+    EXPECT_GE(side, 64u);
+    EXPECT_LE(side * side * layers * 8, uint64_t{64} << 20);
+  }
 }
 
 }  // namespace

@@ -32,6 +32,7 @@ struct Stage {
   std::vector<Box> boxes;  // above the floor, y = 0
   bool flat = false;       // their lower faces alone
   double angle_deg = 0;    // of the light to the normal
+  std::vector<sideray_light> lamps{};  // instead of that light
 };
 
 // alone: rays without OpenGL; layers: the floor is itself translucent and has traced layers; maps: no rays at all;
@@ -100,7 +101,10 @@ Colour floor_of(const Stage& stage, Way way) {
   light.direction[1] = static_cast<float>(-std::cos(stage.angle_deg * degrees));
   for (float& c : light.intensity) c = way == Way::paths ? 2.0f / dark : 2.0f;
   light.angular_diameter_deg = way == Way::soft ? 0.1f : 0.0f;
-  scene.set_lights({&light, 1});
+  if (stage.lamps.empty())
+    scene.set_lights({&light, 1});
+  else
+    scene.set_lights(stage.lamps);
   scene.commit();
   sideray_camera camera = sideray_camera_defaults();
   // Down along -y from 0.02 above the floor: right = x, up = -z.
@@ -297,6 +301,45 @@ TEST(GlassShadow, LightThatGlassWouldReflectTotallyPasses) {
 TEST(GlassShadow, WithoutTranslucencyThereIsNone) {
   const Stage stage{{{1, 2, glass(1.5f, colour, attenuation_distance)}}, false, 25};
   for (const Way way : {Way::off, Way::off_maps}) EXPECT_EQ(floor_of(stage, way), open_floor(25, way)) << name_of(way);
+}
+
+sideray_light lamp_above(double height, double radius) {
+  sideray_light lamp = sideray_light_defaults();
+  lamp.type = SIDERAY_LIGHT_POINT;
+  lamp.position[0] = 0.3;
+  lamp.position[1] = height;
+  lamp.position[2] = 0.1;
+  lamp.radius = static_cast<float>(radius);
+  for (float& c : lamp.intensity) c = 40;
+  return lamp;
+}
+
+// Rays end at a lamp's sphere, and maps lack the glass deep inside. Glass a little inside tints a share of the light,
+// and glass outside all of it.
+TEST(GlassShadow, MapsLackWhatIsInsideLamps) {
+  sideray_material_desc veil = sideray_material_defaults();
+  veil.alpha_mode = SIDERAY_BLEND;
+  veil.base_color[3] = 0.5f;
+  const auto shadow = [&](double distance) {
+    const std::vector<sideray_light> lamps = {lamp_above(4, 0.5)};
+    const Stage bare{{}, false, 0, lamps}, shaded{{{4 - distance, 4 - distance, veil}}, true, 0, lamps};
+    return floor_of(shaded, Way::maps)[0] / floor_of(bare, Way::maps)[0];
+  };
+  EXPECT_NEAR(shadow(0.2), 1.0, 6e-3);
+  EXPECT_NEAR(shadow(1.0), 0.5, 6e-3);
+  const double partly = shadow(0.4);
+  EXPECT_GT(partly, 0.6);
+  EXPECT_LT(partly, 0.95);
+}
+
+// Six lamps have 36 maps, which would take too much memory at half the side of shadow maps: smaller maps tint, too.
+TEST(GlassShadow, MapsOfManyLampsTint) {
+  sideray_material_desc veil = sideray_material_defaults();
+  veil.alpha_mode = SIDERAY_BLEND;
+  veil.base_color[3] = 0.5f;
+  const std::vector<sideray_light> lamps(6, lamp_above(4, 0));
+  const Stage bare{{}, false, 0, lamps}, shaded{{{2, 2, veil}}, true, 0, lamps};
+  EXPECT_NEAR(floor_of(shaded, Way::maps)[0] / floor_of(bare, Way::maps)[0], 0.5, 6e-3);
 }
 
 TEST(GlassShadow, WhatGlowsThrowsNone) {
