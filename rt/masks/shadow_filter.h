@@ -4,8 +4,10 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdlib>
 #include <glm/glm.hpp>
 #include <memory>
+#include <new>
 #include <span>
 #include <vector>
 
@@ -30,6 +32,27 @@ struct ShadowFilterInput {
   std::span<const uint8_t> seen;
   // By tile, row by row: 0 if its pixels are filtered already and must not change. Empty: none are.
   std::span<const uint8_t> unfiltered = {};
+};
+
+// Holds floats that are 0 until they are written. The system provides their memory where it is written first: under a
+// budget a filter writes few tiles, and to fill its planes would take longer than the frame.
+class ZeroedFloats {
+ public:
+  void reset(size_t size) {
+    floats_.reset(size > 0 ? static_cast<float*>(std::calloc(size, sizeof(float))) : nullptr);
+    if (size > 0 && !floats_) throw std::bad_alloc();
+    size_ = size;
+  }
+  size_t size() const { return size_; }
+  float* data() { return floats_.get(); }
+  const float* data() const { return floats_.get(); }
+
+ private:
+  struct Free {
+    void operator()(float* floats) const { std::free(floats); }
+  };
+  std::unique_ptr<float[], Free> floats_;
+  size_t size_ = 0;
 };
 
 class ShadowFilter {
@@ -70,7 +93,7 @@ class ShadowFilter {
   struct ShadowRow;
   // Holds the surfaces of a frame; filters of the same depth share it.
   struct Guide {
-    std::vector<float> inverse, slope_x, slope_y;
+    ZeroedFloats inverse, slope_x, slope_y;
     uint32_t width = 0, height = 0;
     std::vector<uint8_t> needed;  // tiles that some filter reads; others keep their old content
   };
@@ -122,7 +145,7 @@ class ShadowFilter {
   // For this frame: the filter whose reach this one uses; in a leader, all filters that use its reach, itself first.
   ShadowFilter* leader_ = nullptr;
   std::vector<Sharing> sharing_;
-  std::vector<float> planes_[plane_count], history_[2][history_plane_count];
+  ZeroedFloats planes_[plane_count], history_[2][history_plane_count];
 };
 
 }  // namespace sideray::rt
