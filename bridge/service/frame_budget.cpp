@@ -7,7 +7,8 @@ namespace {
 
 // The least share of the time for rays that a job gets.
 constexpr double job_least_share = 0.125;
-// A starved job that has its turn gets this part of the budget: in one piece alone all threads but one would be idle.
+// A starved job that has its turn gets at least this part of the budget: in one piece alone all threads but one would
+// be idle.
 constexpr int part_of_turn = 8;
 
 double ms_between(FrameBudget::Time from, FrameBudget::Time to) {
@@ -61,12 +62,13 @@ FrameBudget::Turn FrameBudget::start(uint32_t view_id, size_t job, const std::ar
   own.expected -= own.expected > 0;
   ++own.waited;
   // Counts only the last job's upload: the others overlap the rays of the next job.
-  double rays = 0.0, others = own.after, last_upload = own.upload;
+  double rays = 0.0, idle = own.idle, others = 0.0, last_upload = own.upload;
   bool waited_longest = true;
   const auto add = [&](const Cost& cost) {
     const uint32_t waits = cost.waited + 1;
     rays += cost.rays;
-    others += waits >= own.waited ? cost.after : cost.idle;
+    idle += cost.idle;
+    if (waits >= own.waited) others += cost.more;
     last_upload = cost.upload;
     waited_longest = waited_longest && waits <= own.waited;
   };
@@ -76,14 +78,17 @@ FrameBudget::Turn FrameBudget::start(uint32_t view_id, size_t job, const std::ar
   for (size_t j = job + 1; j < job_count; ++j)
     if (later[j]) add(costs_[view_id][j]);
   const Time now = Clock::now();
-  const double left = ms_between(now, end) - others - last_upload;
+  const double alone = ms_between(now, end) - idle - own.more - last_upload;  // if no other job traces rays
+  const double left = alone - others;
   const double share = std::max(own.rays / (own.rays + rays), job_least_share);
   // At least one job traces rays among the frames that end together.
   const bool traces = left > 0.0 || (waited_longest && last_turn_ != end);
   if (traces) own.waited = 0, last_turn_ = end;
   const bool starved = left <= 0.0;
-  const Clock::duration least = starved && traces && round_ ? round_->budget / part_of_turn : Clock::duration{0};
-  return {now, now + milliseconds(std::max(left * share, 0.0)), starved, traces, least};
+  if (!traces) return {now, now, starved, traces, {}};
+  const Clock::duration part = starved && round_ ? round_->budget / part_of_turn : Clock::duration{0};
+  const Clock::duration time = starved ? std::max(milliseconds(alone), part) : milliseconds(left * share);
+  return {now, now + milliseconds(own.idle) + time, starved, traces, part};
 }
 
 void FrameBudget::finish(uint32_t view_id, size_t job, const Turn& turn, const rt::Counters& counters) {
@@ -95,14 +100,14 @@ void FrameBudget::finish(uint32_t view_id, size_t job, const Turn& turn, const r
   if (cost.frames++ == 0) return;  // the first frame allocates memory
   if (!turn.traces) return follow(cost.idle, took);
   if (traced == 1.0) {  // no time limit stopped the rays
-    follow(cost.after, counters.denoise_ms);
-    cost.rays = std::max(took - cost.after, 0.01);
+    follow(cost.more, counters.denoise_ms);
+    cost.rays = std::max(took - cost.more, 0.01);
     return;
   }
-  follow(cost.after, std::max(took - allowed, 0.0));
+  follow(cost.more, std::max(took - allowed, 0.0));
   if (turn.starved) return;
   // Limits the extrapolation from a small share.
-  const double whole = std::max(allowed, 0.1) / std::max(traced, 0.01);
+  const double whole = std::max(allowed - cost.idle, 0.1) / std::max(traced, 0.01);
   cost.rays += 0.25 * (whole - cost.rays);
 }
 

@@ -1,7 +1,7 @@
 // Divides the time that a host gives its frames among their jobs, so that a frame ends in time instead of being cut.
-// Measures what each job of a view takes besides its rays, reserves that time, and shares the rest in proportion to the
-// time of all rays of each job. If the time is too short for all jobs, they take turns: the job that waited longest
-// traces, and the others show history alone. One object for a service; any thread.
+// Measures what each job of a view takes without rays, and besides them, reserves that time, and shares the rest in
+// proportion to the time of all rays of each job. If the time is too short for all jobs, they take turns: the job that
+// waited longest traces, and the others show history alone. One object for a service; any thread.
 #pragma once
 
 #include <sideray/service.h>
@@ -48,9 +48,9 @@ class FrameBudget {
  private:
   // Holds smoothed times of a view's job, in milliseconds.
   struct Cost {
-    double rays = 1.0;   // for all rays
-    double after = 0.0;  // after the rays end: pieces that have begun, filters
-    double idle = 0.0;   // for a frame without rays
+    double rays = 1.0;  // for all rays
+    double idle = 0.0;  // for a frame without rays
+    double more = 0.0;  // for a frame with rays, besides these and `idle`: pieces that have begun, filters
     double upload = 0.0;
     uint32_t expected = 0, frames = 0;
     uint32_t waited = 0;  // frames since its last rays, the current one included

@@ -3,6 +3,7 @@
 // sanitizer.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -29,6 +30,14 @@ class Executor {
   // not depend on the calling thread's mode. The first exception is rethrown here. Called from within a run of the same
   // executor, it makes all calls on the calling thread, with that thread's worker number.
   void run(size_t count, const Work& work);
+  // Does the same for work that takes less time than to hand it to a thread.
+  template <typename Cheap>
+  void run_cheap(size_t count, const Cheap& work) {
+    constexpr size_t in_part = 16;
+    run((count + in_part - 1) / in_part, [&](size_t part, uint32_t worker) {
+      for (size_t i = part * in_part; i < std::min((part + 1) * in_part, count); ++i) work(i, worker);
+    });
+  }
 
  private:
   void run_on_all(size_t count, const Work& work);

@@ -16,6 +16,7 @@ constexpr float same_depth = 1.0f / 128.0f;
 struct RowThen {
   std::array<float, frame_tile_size> x, y, depth;     // depth: 0 = behind the camera, or no surface now
   std::array<uint32_t, frame_tile_size> shows_other;  // 1: the nearest pixel showed another surface
+  bool any_shows_other;
   glm::uvec2 least, most;                             // bounds of the pixels that showed the surface
 };
 
@@ -25,7 +26,7 @@ struct PictureThen {
   glm::vec2 rounding;
 };
 
-// The loops of these two have no branches, so that they become vector code.
+// The loops of these two have no branches, and do one thing each, so that they become vector code.
 SIDERAY_VECTORS void project(const TrailTerms& was, const float* depth, uint32_t first, uint32_t y, uint32_t count,
                              RowThen& row) {
   const auto down = static_cast<float>(y);
@@ -47,20 +48,31 @@ SIDERAY_VECTORS void find(RowThen& row, uint32_t count, const PictureThen& then,
   const float rounding_x = then.rounding.x, rounding_y = then.rounding.y;
   const float* depths = then.depths.data();
   const auto width = static_cast<int32_t>(then.width);
-  int32_t least_x = INT32_MAX, least_y = INT32_MAX, most_x = 0, most_y = 0;
+  std::array<int32_t, frame_tile_size> u, v, at, inside, shows;
+  std::array<float, frame_tile_size> there;
   for (uint32_t i = 0; i < count; ++i) {
-    const float x = row.x[i], y = row.y[i], depth = row.depth[i];
-    const bool inside = (depth > 0.0f) & (x >= 0.0f) & (y >= 0.0f) & (x <= right) & (y <= top);
-    const auto u = static_cast<int32_t>(inside ? std::min(x + rounding_x, right) : 0.0f);
-    const auto v = static_cast<int32_t>(inside ? std::min(y + rounding_y, top) : 0.0f);
-    const int32_t at = v * width + u;
-    const bool shows = inside & (std::abs(depths[at] - depth) <= same_depth * depth);
-    from[i] = shows ? static_cast<uint32_t>(at) : PixelTrail::nowhere;
-    row.shows_other[i] = inside & !shows;
-    least_x = std::min(least_x, shows ? u : INT32_MAX), most_x = std::max(most_x, shows ? u : 0);
-    least_y = std::min(least_y, shows ? v : INT32_MAX), most_y = std::max(most_y, shows ? v : 0);
+    const float x = row.x[i], y = row.y[i];
+    inside[i] = (row.depth[i] > 0.0f) & (x >= 0.0f) & (y >= 0.0f) & (x <= right) & (y <= top);
+    u[i] = static_cast<int32_t>(inside[i] ? std::min(x + rounding_x, right) : 0.0f);
+    v[i] = static_cast<int32_t>(inside[i] ? std::min(y + rounding_y, top) : 0.0f);
+    at[i] = v[i] * width + u[i];
+  }
+  for (uint32_t i = 0; i < count; ++i) there[i] = depths[at[i]];
+  for (uint32_t i = 0; i < count; ++i)
+    shows[i] = inside[i] & (std::abs(there[i] - row.depth[i]) <= same_depth * row.depth[i]);
+  for (uint32_t i = 0; i < count; ++i) {
+    row.shows_other[i] = static_cast<uint32_t>(inside[i] & ~shows[i]);
+    from[i] = shows[i] ? static_cast<uint32_t>(at[i]) : PixelTrail::nowhere;
+  }
+  int32_t least_x = INT32_MAX, least_y = INT32_MAX, most_x = 0, most_y = 0, others = 0;
+  for (uint32_t i = 0; i < count; ++i) {
+    const int32_t no = shows[i] - 1;  // all bits where another surface was shown
+    least_x = std::min(least_x, u[i] | (no & INT32_MAX)), most_x = std::max(most_x, u[i] & ~no);
+    least_y = std::min(least_y, v[i] | (no & INT32_MAX)), most_y = std::max(most_y, v[i] & ~no);
+    others |= inside[i] & no;
   }
   row.least = {least_x, least_y}, row.most = {most_x, most_y};
+  row.any_shows_other = others != 0;
 }
 
 }  // namespace
@@ -162,7 +174,7 @@ void PixelTrail::look_back(uint32_t x, uint32_t y, uint32_t count, Tiles& found)
   RowThen row;
   project(was_, depth, x, y, count, row);
   find(row, count, {depth_before_, width_, height_, rounding_}, from);
-  for (uint32_t i = 0; i < count; ++i) {
+  for (uint32_t i = 0; i < count && row.any_shows_other; ++i) {
     if (!row.shows_other[i]) continue;
     const glm::ivec2 near = search({row.x[i], row.y[i]}, row.depth[i]);
     if (near.x < 0) continue;

@@ -71,6 +71,17 @@ class PixelTrail {
   glm::vec2 rounding_{0.5f};  // of reprojected positions; it varies, so that slow movement is not lost
 };
 
+// Calls work(first, count, from) for parts of a row of pixels that were side by side in the previous frame, from `from`
+// on, or were nowhere.
+template <typename Work>
+void for_runs(const uint32_t* from, uint32_t count, const Work& work) {
+  for (uint32_t first = 0, end = 1; first < count; first = end++) {
+    const uint32_t step = from[first] == PixelTrail::nowhere ? 0 : 1;
+    while (end < count && from[end] == from[end - 1] + step) ++end;
+    work(first, end - first, from[first]);
+  }
+}
+
 // Names a frame of the trail that a view's histories share. Without a trail a history uses its own.
 struct ViewFrame {
   PixelTrail* trail = nullptr;

@@ -13,6 +13,19 @@ namespace {
 constexpr float most_samples_moving = 8.0f;  // for cells lit by something that moves, which must follow it
 constexpr float same_facing = 0.9f;  // cosine
 
+// Copies the light of a row's pixels from where they were, none from nowhere. Returns how many have light; its fourth
+// half is their mark.
+uint32_t carry_row(const uint32_t* from, uint32_t count, const uint16_t* then, uint16_t* light) {
+  for_runs(from, count, [&](uint32_t first, uint32_t length, uint32_t there) {
+    uint16_t* to = light + size_t{4} * first;
+    if (there == PixelTrail::nowhere) std::fill_n(to, size_t{4} * length, uint16_t{0});
+    else std::copy_n(then + size_t{4} * there, size_t{4} * length, to);
+  });
+  uint32_t carried = 0;
+  for (uint32_t i = 0; i < count; ++i) carried += light[size_t{4} * i + 3] != 0;
+  return carried;
+}
+
 }  // namespace
 
 void IrradianceHistory::begin(const IrradianceRequest& r, TracedScene& scene) {
@@ -193,13 +206,9 @@ void IrradianceHistory::carry_tile(uint32_t tile, IrradianceImage& image, Counte
     const float* depth = &depths()[size_t{y} * width_ + x0];
     uint16_t* light = &image.light[4 * (size_t{y} * width_ + x0)];
     uint32_t older = 0, drawn = 0;
-    for (uint32_t i = 0; i < across; ++i, light += 4) {
-      drawn += depth[i] > 0.0f;
-      const bool known = carries_image_ && from[i] != PixelTrail::nowhere;
-      if (known) std::copy_n(&light_then_[size_t{4} * from[i]], 4, light);
-      else std::fill_n(light, 4, uint16_t{0});
-      older += known && light[3] != 0;
-    }
+    for (uint32_t i = 0; i < across; ++i) drawn += depth[i] > 0.0f;
+    if (carries_image_) older = carry_row(from, across, light_then_.data(), light);
+    else std::fill_n(light, size_t{4} * across, uint16_t{0});
     counters.irradiance_pixels_older += older;
     counters.irradiance_pixels_late += drawn - older;
     if (drawn > 0) counters.frames_waiting = std::max<uint64_t>(counters.frames_waiting, number_ - turns_[tile]);

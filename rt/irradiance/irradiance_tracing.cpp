@@ -312,7 +312,7 @@ TileRows IrradianceTracing::trace_rows(const Frame& f, Executor& executor, Irrad
   if (traces) f.history->carry_cells(r, executor);
   f.history->begin_image(image);
   const auto is_around = [&](uint32_t row) { return traces && row + 1 >= chosen.first && row <= chosen.end; };
-  executor.run(size_t{rows} * f.columns, [&](size_t index, uint32_t thread) {
+  executor.run_cheap(size_t{rows} * f.columns, [&](size_t index, uint32_t thread) {
     const auto tile = static_cast<uint32_t>(index), row = tile / f.columns;
     if (row >= chosen.first && row < chosen.end) return;
     f.history->carry_tile(tile, image, workers_[thread].counters);

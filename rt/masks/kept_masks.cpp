@@ -102,7 +102,7 @@ uint32_t KeptMasks::frames_to_settle(uint32_t history) {
   return frames;
 }
 
-KeptMasks::Frame KeptMasks::frame_of(const MaskRequest& r, TracedScene& scene) {
+KeptMasks::Frame KeptMasks::frame_of(const MaskRequest& r, TracedScene& scene, bool hashed) {
   Frame f;
   f.inputs = {r};
   f.width = r.width;
@@ -117,6 +117,8 @@ KeptMasks::Frame KeptMasks::frame_of(const MaskRequest& r, TracedScene& scene) {
   f.local_from_clip = r.view.local_from_clip;
   f.origin = scene.shading().snapshot->origin;
   f.opaque_revision = scene.intersector().opaque_revision();
+  f.hashed = hashed;
+  if (!hashed) return f;
   f.depth = hash_depth(scene.executor(), r.depth, r.width, r.height, inexact_bits_of(r));
   if (reads_rest_offsets(r)) f.rest = hash_rows(scene.executor(), std::as_bytes(r.rest_offsets), r.height);
   return f;
@@ -222,7 +224,8 @@ void KeptMasks::begin_again(const Frame& frame, const MaskRequest& r, std::vecto
 }
 
 void KeptMasks::begin(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
-  const Frame frame = frame_of(r, scene);
+  // Under a budget most frames are incomplete, and none is compared with the frame after an incomplete one.
+  const Frame frame = frame_of(r, scene, complete_ || !is_bounded(r.work));
   if (!committed_ || !are_equal(*committed_, *scene.committed())) ++scene_;
   committed_ = scene.committed();
   std::vector<Layer> layers = layers_of(r, scene.shading());

@@ -56,6 +56,7 @@ class KeptMasks {
     glm::dmat4 clip_from_local{1.0}, local_from_clip{1.0};
     glm::dvec3 origin{0.0};
     uint64_t opaque_revision = 0;
+    bool hashed = false;
     PictureHash depth{}, rest{};
     bool operator==(const Frame&) const = default;
   };
@@ -76,7 +77,8 @@ class KeptMasks {
   // The masks of one jittered position, by layer; empty if there are none.
   using Place = std::vector<std::vector<uint8_t>>;
 
-  static Frame frame_of(const MaskRequest& request, TracedScene& scene);
+  // `hashed`: pictures are compared too; a frame without hashes equals none with them.
+  static Frame frame_of(const MaskRequest& request, TracedScene& scene, bool hashed);
   std::vector<Layer> layers_of(const MaskRequest& request, const ShadingScene& scene) const;
 
   void begin_first(const Frame& frame, const MaskRequest& request, std::vector<Layer>& layers);

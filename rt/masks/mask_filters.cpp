@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <deque>
+#include <memory>
 #include <utility>
 
 #include "elementary/functions.h"
@@ -144,6 +145,16 @@ std::vector<uint8_t> tint_seen(const OcclusionMasks& masks, uint32_t place) {
   return seen;
 }
 
+// The pixels of rows from `first` to before `past`.
+struct Columns {
+  uint32_t first = 0, past = 0;
+  bool none() const { return first == past; }
+  void add(Columns other) {
+    if (other.none()) return;
+    *this = none() ? other : Columns{std::min(first, other.first), std::max(past, other.past)};
+  }
+};
+
 // Names one of the eight neighbours. The pixels of a row from `first` to before `past` have it.
 struct Neighbour {
   uint8_t bit;
@@ -152,13 +163,15 @@ struct Neighbour {
 };
 
 template <typename Work>
-void for_neighbours(const FilterFrame& frame, uint32_t y, const Work& work) {
+void for_neighbours(const FilterFrame& frame, uint32_t y, Columns columns, const Work& work) {
   uint8_t bit = 1;
   for (int v = -1; v <= 1; ++v)
     for (int u = -1; u <= 1; ++u) {
       if (u == 0 && v == 0) continue;
       const bool inside = v < 0 ? y > 0 : v == 0 || y + 1 < frame.height;
-      if (inside) work(Neighbour{bit, v * static_cast<ptrdiff_t>(frame.width) + u, u < 0, frame.width - (u > 0)});
+      if (inside)
+        work(Neighbour{bit, v * static_cast<ptrdiff_t>(frame.width) + u, std::max<uint32_t>(columns.first, u < 0),
+                       std::min(columns.past, frame.width - (u > 0))});
       bit = static_cast<uint8_t>(bit << 1);
     }
 }
@@ -173,14 +186,17 @@ SIDERAY_VECTORS void mark_same_surface(const float* depths, Neighbour neighbour,
     same[x] |= std::abs(others[x] - depths[x]) <= same_share * depths[x] ? bit : uint8_t{0};
 }
 
-// Returns for each pixel a bit for each neighbour on the same surface; no bits if fewer than six are.
-std::vector<uint8_t> find_same_surface(Executor& executor, const FilterFrame& frame) {
+// Returns for each pixel in these columns of each row of tiles a bit for each neighbour on the same surface; no bits if
+// fewer than six are.
+std::unique_ptr<uint8_t[]> find_same_surface(Executor& executor, const FilterFrame& frame, std::span<const Columns> columns) {
   constexpr int fewest = 6;
-  std::vector<uint8_t> same(size_t{frame.width} * frame.height, 0);
+  auto same = std::make_unique_for_overwrite<uint8_t[]>(size_t{frame.width} * frame.height);
   for_rows(executor, frame.height, [&](uint32_t y) {
+    const Columns wanted = columns[y / OcclusionMasks::tint_tile];
     const size_t first = size_t{y} * frame.width;
-    for_neighbours(frame, y, [&](const Neighbour& n) { mark_same_surface(&frame.depth[first], n, &same[first]); });
-    for (size_t i = first; i < first + frame.width; ++i)
+    std::fill(&same[first + wanted.first], &same[first + wanted.past], uint8_t{0});
+    for_neighbours(frame, y, wanted, [&](const Neighbour& n) { mark_same_surface(&frame.depth[first], n, &same[first]); });
+    for (size_t i = first + wanted.first; i < first + wanted.past; ++i)
       if (frame.depth[i] <= 0.0f || std::popcount(same[i]) < fewest) same[i] = 0;
   });
   return same;
@@ -225,15 +241,16 @@ SIDERAY_VECTORS void take_neighbour(const uint8_t* tints, const uint8_t* same, N
 
 // Marks the pixels of a row that differ from one of their four neighbours by more than a filter leaves. They are few.
 // The loops have no branches, so that they become vector code.
-void mark_outstanding(const uint8_t* tints, const FilterFrame& frame, uint32_t y, uint8_t* marks) {
+void mark_outstanding(const uint8_t* tints, const FilterFrame& frame, uint32_t y, Columns columns, uint8_t* marks) {
   constexpr int smooth = 4;
   const uint32_t width = frame.width;
   const uint8_t* row = tints + size_t{y} * width;
   const uint8_t* below = y > 0 ? row - width : row;
   const uint8_t* above = y + 1 < frame.height ? row + width : row;
-  for (uint32_t x = 0; x < width; ++x) marks[x] = std::abs(row[x] - below[x]) > smooth || std::abs(row[x] - above[x]) > smooth;
-  for (uint32_t x = 1; x < width; ++x) marks[x] |= std::abs(row[x] - row[x - 1]) > smooth;
-  for (uint32_t x = 1; x < width; ++x) marks[x - 1] |= std::abs(row[x] - row[x - 1]) > smooth;
+  for (uint32_t x = columns.first; x < columns.past; ++x) marks[x] = std::abs(row[x] - below[x]) > smooth || std::abs(row[x] - above[x]) > smooth;
+  for (uint32_t x = std::max(columns.first, 1u); x < columns.past; ++x) marks[x] |= std::abs(row[x] - row[x - 1]) > smooth;
+  for (uint32_t x = columns.first + 1; x < std::min(columns.past + 1, width); ++x)
+    marks[x - 1] |= std::abs(row[x] - row[x - 1]) > smooth;
 }
 
 struct Calmed {
@@ -241,23 +258,33 @@ struct Calmed {
   uint8_t tint;
 };
 
+// Returns the pixels from the first to the last tile of a row that is set.
+Columns columns_of(std::span<const uint8_t> tiles, uint32_t width) {
+  constexpr uint32_t side = OcclusionMasks::tint_tile;
+  Columns columns;
+  for (uint32_t i = 0; i < tiles.size(); ++i)
+    if (tiles[i]) columns.add({i * side, std::min((i + 1) * side, width)});
+  return columns;
+}
+
 // Finds new tints for single pixels that stand out, in one plane and row of tiles: they are clamped to the third
 // smallest and the third largest tint around them. The filter leaves such pixels where glass is near, because it is
 // narrow there: some rays through a drinking glass miss the bulb around their lamp.
-std::vector<Calmed> calm_row(std::span<const uint8_t> tints, const FilterFrame& frame, std::span<const uint8_t> same,
+std::vector<Calmed> calm_row(std::span<const uint8_t> tints, const FilterFrame& frame, const uint8_t* same,
                              std::span<const uint8_t> tinted, uint32_t row) {
   constexpr uint32_t side = OcclusionMasks::tint_tile;
   std::vector<Calmed> calmed;
-  if (std::ranges::all_of(tinted, [](uint8_t tile) { return tile == 0; })) return calmed;
+  const Columns columns = columns_of(tinted, frame.width);
+  if (columns.none()) return calmed;
   std::vector<uint8_t> marks(frame.width);
   OuterTints outer(frame.width);
   for (uint32_t y = row * side; y < std::min((row + 1) * side, frame.height); ++y) {
-    mark_outstanding(tints.data(), frame, y, marks.data());
+    mark_outstanding(tints.data(), frame, y, columns, marks.data());
     if (std::ranges::find(marks, uint8_t{1}) == marks.end()) continue;
     const size_t first = size_t{y} * frame.width;
     outer.clear();
-    for_neighbours(frame, y, [&](const Neighbour& n) { take_neighbour(&tints[first], &same[first], n, outer); });
-    for (uint32_t x = 0; x < frame.width; ++x) {
+    for_neighbours(frame, y, columns, [&](const Neighbour& n) { take_neighbour(&tints[first], &same[first], n, outer); });
+    for (uint32_t x = columns.first; x < columns.past; ++x) {
       const size_t texel = first + x;
       if (!marks[x] || same[texel] == 0 || tinted[x / side] == 0) continue;
       const uint8_t tint = std::clamp(tints[texel], outer.low[2][x], outer.high[2][x]);
@@ -284,19 +311,29 @@ void calm(Executor& executor, const FilterFrame& frame, const std::vector<std::p
           std::span<const uint8_t> unfiltered, OcclusionMasks& masks) {
   if (planes.empty()) return;
   const size_t rows = masks.tint_rows();
-  const std::vector<uint8_t> same = find_same_surface(executor, frame);
-  std::vector<std::vector<Calmed>> calmed(planes.size() * rows);
-  const auto plane_of = [&](size_t task) {
-    return masks.tint_plane(planes[task / rows].first, planes[task / rows].second);
+  struct Task {
+    std::span<uint8_t> plane;
+    uint32_t row;
+    std::vector<uint8_t> tiles;
+    std::vector<Calmed> calmed;
   };
-  executor.run(calmed.size(), [&](size_t task, uint32_t) {
-    const auto row = static_cast<uint32_t>(task % rows);
-    const std::vector<uint8_t> tiles = tiles_to_calm(masks, planes[task / rows].first, row, unfiltered);
-    calmed[task] = calm_row(plane_of(task), frame, same, tiles, row);
+  std::vector<Task> tasks;
+  std::vector<Columns> columns(rows);
+  for (const auto& [place, channel] : planes)
+    for (uint32_t row = 0; row < rows; ++row) {
+      std::vector<uint8_t> tiles = tiles_to_calm(masks, place, row, unfiltered);
+      const Columns wanted = columns_of(tiles, frame.width);
+      columns[row].add(wanted);
+      if (!wanted.none()) tasks.push_back({masks.tint_plane(place, channel), row, std::move(tiles), {}});
+    }
+  if (tasks.empty()) return;
+  const std::unique_ptr<uint8_t[]> same = find_same_surface(executor, frame, columns);
+  executor.run(tasks.size(), [&](size_t i, uint32_t) {
+    Task& task = tasks[i];
+    task.calmed = calm_row(task.plane, frame, same.get(), task.tiles, task.row);
   });
-  executor.run(calmed.size(), [&](size_t task, uint32_t) {
-    const std::span<uint8_t> plane = plane_of(task);
-    for (const Calmed& pixel : calmed[task]) plane[pixel.texel] = pixel.tint;
+  executor.run(tasks.size(), [&](size_t i, uint32_t) {
+    for (const Calmed& pixel : tasks[i].calmed) tasks[i].plane[pixel.texel] = pixel.tint;
   });
 }
 

@@ -86,24 +86,29 @@ void OcclusionMasks::store_tint(uint32_t place, size_t tile, const TintTile* fou
   flag = found != nullptr;
 }
 
-void OcclusionMasks::find_tinted(Executor& executor) {
+bool OcclusionMasks::is_tile_tinted(uint32_t place, size_t tile) {
+  static constexpr auto white = [] {
+    std::array<uint8_t, tint_tile> row{};
+    row.fill(255);
+    return row;
+  }();
+  const auto x0 = static_cast<uint32_t>(tile % tint_columns()) * tint_tile;
+  const auto y0 = static_cast<uint32_t>(tile / tint_columns()) * tint_tile;
+  const uint32_t across = std::min(tint_tile, width - x0);
+  for (uint32_t c = 0; c < 3; ++c)
+    for (uint32_t y = y0; y < std::min(y0 + tint_tile, height); ++y)
+      if (std::memcmp(&tint_plane(place, c)[size_t{y} * width + x0], white.data(), across) != 0) return true;
+  return false;
+}
+
+void OcclusionMasks::find_tinted(Executor& executor, const std::function<bool(uint32_t layer, size_t tile)>& is_white) {
   if (tints == 0) return;
-  const size_t tiles = size_t{tint_columns()} * tint_rows();
-  executor.run(tiles * tints, [&](size_t i, uint32_t) {
-    const auto place = static_cast<uint32_t>(i / tiles) + 1;
-    const auto x0 = static_cast<uint32_t>(i % tiles % tint_columns()) * tint_tile;
-    const auto y0 = static_cast<uint32_t>(i % tiles / tint_columns()) * tint_tile;
-    const uint32_t across = std::min(tint_tile, width - x0);
-    static constexpr auto white = [] {
-      std::array<uint8_t, tint_tile> row{};
-      row.fill(255);
-      return row;
-    }();
-    uint8_t tinted = 0;
-    for (uint32_t c = 0; c < 3 && !tinted; ++c)
-      for (uint32_t y = y0; y < std::min(y0 + tint_tile, height) && !tinted; ++y)
-        tinted = std::memcmp(&tint_plane(place, c)[size_t{y} * width + x0], white.data(), across) != 0;
-    tint_tiles[i] = tinted;
+  const size_t columns = tint_columns(), rows = tint_rows();
+  executor.run(layers * rows, [&](size_t i, uint32_t) {
+    const auto layer = static_cast<uint32_t>(i / rows);
+    const uint32_t place = tint_places[layer];
+    for (size_t tile = i % rows * columns; place != 0 && tile < (i % rows + 1) * columns; ++tile)
+      tint_tiles[tint_tile_index(place, tile)] = !is_white(layer, tile) && is_tile_tinted(place, tile);
   });
   for (uint32_t place = 1; place <= tints; ++place) tint_lasts[place - 1] = is_tinted(place);
 }

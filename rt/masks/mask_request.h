@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
 #include <span>
 #include <vector>
@@ -152,7 +153,9 @@ struct OcclusionMasks {
   // Writes a tile of a place; null: without tints. Different tiles may be written at the same time.
   void store_tint(uint32_t place, size_t tile, const TintTile* found);
   // Finds the tiles with tints, after filtering and reprojection have spread them.
-  void find_tinted(Executor& executor);
+  // `is_white`: a layer's tile is known to have none.
+  void find_tinted(Executor& executor, const std::function<bool(uint32_t layer, size_t tile)>& is_white);
+  bool is_tile_tinted(uint32_t place, size_t tile);
   void forget_tints();
 
   uint32_t filter_columns() const { return (width + filter_tile - 1) / filter_tile; }

@@ -93,6 +93,9 @@ void MaskTracer::trace_shadows(size_t tile, Worker& w) const {
 }
 
 void MaskTracer::store_tints(std::span<Worker> workers, std::span<const uint8_t> fresh, Executor& executor) const {
+  std::vector<uint32_t> fresh_tiles;
+  for (uint32_t tile = 0; tile < tiles(); ++tile)
+    if (fresh[tile]) fresh_tiles.push_back(tile);
   std::vector<std::vector<const TintTile*>> found(layers_.size());
   for (const Worker& w : workers)
     for (const TintTile& t : w.tints.found) {
@@ -104,13 +107,13 @@ void MaskTracer::store_tints(std::span<Worker> workers, std::span<const uint8_t>
   for (uint32_t layer = 0; layer < lights_; ++layer) {
     const uint32_t place = masks_.tint_places[layer];
     if (place == 0 || layers_[layer].kept) continue;
-    bool coloured = !std::ranges::all_of(fresh, [](uint8_t tile) { return tile != 0; });
+    bool coloured = fresh_tiles.size() < tiles();
     for (const TintTile* tinted : found[layer])
       coloured = coloured || (tinted && (tinted->left[0] != tinted->left[1] || tinted->left[0] != tinted->left[2]));
     masks_.tint_coloured[place - 1] = coloured;
-    executor.run(tiles(), [&](size_t tile, uint32_t) {
-      const TintTile* tinted = found[layer].empty() ? nullptr : found[layer][tile];
-      if (fresh[tile]) masks_.store_tint(place, tile, tinted);
+    executor.run(fresh_tiles.size(), [&](size_t i, uint32_t) {
+      const uint32_t tile = fresh_tiles[i];
+      masks_.store_tint(place, tile, found[layer].empty() ? nullptr : found[layer][tile]);
     });
   }
 }

@@ -88,6 +88,14 @@ WorkTime half_of(WorkTime work) {
   return work;
 }
 
+// All parts of the masks share the time that rays have at least.
+WorkTime with_least_shared(WorkTime work) {
+  if (!work.ends_in_time || !has_deadline(work.deadline)) return work;
+  work.deadline = std::max(work.deadline, Deadline::clock::now() + work.least);
+  work.least = {};
+  return work;
+}
+
 // Returns whether some mask of a position has not been traced yet.
 bool waits(const MaskRequest& r, const Counters& counters) {
   return r.position_frames > 0 && (counters.mask_pixels_late > 0 || counters.frames_waiting >= r.position_frames);
@@ -106,6 +114,7 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
   if (r.older && !older) r.older->forget();
   if (older) older->begin(r, scene, masks);
   const MaskTracer tracer(r, scene, masks);
+  const WorkTime all_work = with_least_shared(r.work);
   std::vector<MaskTracer::Worker> workers(executor.threads());
   std::atomic<bool> whole{true};
   std::vector<uint8_t> fresh(tracer.tiles(), 1);  // by tile: lights do not show history
@@ -121,9 +130,19 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
     rays.add_to(tile);
   };
   const auto is_cancelled = [&] { return r.cancelled && r.cancelled->load(); };
-  // Traces a part of the masks, tile by tile; skipped tiles are lit, unless they have history.
-  const auto run = [&](OlderMasks::Part part, const WorkTime& time, auto work, auto open) {
-    const Stopwatch watch;
+  // Skipped tiles are lit, unless they have history.
+  const auto leave = [&](OlderMasks::Part part, size_t tile, uint32_t thread, const auto& open) {
+    if (whole) whole = false;
+    const bool is_older = older && older->knows(part);
+    if (!is_older) open(tile);
+    if (older) older->leave(r, part, tile, masks, workers[thread].counters);
+    if (is_older && part == OlderMasks::of_lights) fresh[tile] = 0;
+  };
+  const auto leave_all = [&](OlderMasks::Part part, const auto& open) {
+    executor.run_cheap(tracer.tiles(), [&](size_t tile, uint32_t thread) { leave(part, tile, thread, open); });
+  };
+  // Traces a part of the masks, tile by tile.
+  const auto trace = [&](OlderMasks::Part part, const WorkTime& time, const auto& work, const auto& open) {
     const std::vector<uint32_t> turns = tracer.turns(part);
     WorkClock clock(time);
     std::atomic<size_t> next{0};
@@ -132,16 +151,15 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
       const size_t number = turns.empty() ? numbered : next++, tile = turns.empty() ? numbered : turns[number];
       if (is_cancelled() || !clock.run(number, [&] {
             trace_tile(part == OlderMasks::of_sky ? for_sky : for_lights, tile, workers[thread], work);
-          })) {
-        whole = false;
-        const bool is_older = older && older->knows(part);
-        if (!is_older) open(tile);
-        if (older) older->leave(r, part, tile, masks, workers[thread].counters);
-        if (is_older && part == OlderMasks::of_lights) fresh[tile] = 0;
-        return;
-      }
+          }))
+        return leave(part, tile, thread, open);
       if (older) older->traced(r, part, tile);
     });
+  };
+  const auto run = [&](OlderMasks::Part part, const WorkTime& time, const auto& work, const auto& open) {
+    const Stopwatch watch;
+    if (is_over(time)) leave_all(part, open);
+    else trace(part, time, work, open);
     if (older && !is_cancelled()) older->end(part);
     return watch.ms();
   };
@@ -157,8 +175,8 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
     const Stopwatch watch;
     std::vector<uint32_t> lacking = tracer.turns(OlderMasks::of_sky);
     std::erase_if(lacking, [&](uint32_t tile) { return !older->lacks_sky(tile); });
-    WorkTime time = half_of(r.work);
-    time.least_pieces = is_over(r.work) ? 0 : lacking.size() / least_sampled + 1;
+    WorkTime time = half_of(all_work);
+    time.least_pieces = lacking.size() / least_sampled + 1;
     PiecesLeft pieces{r.work.pieces ? r.work.pieces->load() * CoarseSky::across * CoarseSky::across : 0};
     if (r.work.pieces) time.pieces = &pieces, time.least_pieces = 0;
     WorkClock clock(time);
@@ -169,10 +187,10 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
     });
     return watch.ms();
   };
-  if (older && tracer.traces_sky() && r.position_frames == 0) sum.trace_ao_ms += sample_sky();
+  if (older && tracer.traces_sky() && r.position_frames == 0 && !is_over(all_work)) sum.trace_ao_ms += sample_sky();
   if (tracer.traces_lights()) {
     PiecesLeft pieces{r.work.pieces ? r.work.pieces->load() : 0};  // the sky gets as many
-    WorkTime time = tracer.traces_sky() ? half_of(r.work) : r.work;
+    WorkTime time = tracer.traces_sky() ? half_of(all_work) : all_work;
     if (r.work.pieces) time.pieces = &pieces;
     sum.trace_shadow_ms += run(OlderMasks::of_lights, time,
                                [&](size_t tile, MaskTracer::Worker& w) { tracer.trace_shadows(tile, w); },
@@ -190,7 +208,7 @@ Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMas
       sum.trace_shadow_ms += run_after([&](size_t tile, MaskTracer::Worker& w) { tracer.trace_distances(tile, w); });
   }
   if (tracer.traces_sky())
-    sum.trace_ao_ms += run(OlderMasks::of_sky, r.work, [&](size_t tile, MaskTracer::Worker& w) { tracer.trace_open(tile, w); },
+    sum.trace_ao_ms += run(OlderMasks::of_sky, all_work, [&](size_t tile, MaskTracer::Worker& w) { tracer.trace_open(tile, w); },
                            [&](size_t tile) { tracer.open_sky(tile); });
   masks.whole = whole;
   for (const MaskTracer::Worker& w : workers) sum += w.counters;
@@ -237,7 +255,7 @@ Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMa
   const bool is_done = request.position_frames > 1 && has_older(request) && request.sequence == SequenceStep::next &&
                        request.older->is_complete();
   if (is_done) return {};
-  masks.answers.clear();
+  if (!has_older(request)) masks.answers.clear();
   Counters counters = trace_unfiltered(request, scene, masks);
   find_depth(request, scene.executor(), masks);
   if (request.cancelled && *request.cancelled) return counters;
@@ -251,7 +269,9 @@ Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMa
     filter(request, scene, masks);
     counters.denoise_ms = watch.ms();
   }
-  masks.find_tinted(scene.executor());
+  masks.find_tinted(scene.executor(), [&](uint32_t layer, size_t tile) {
+    return has_older(request) && request.older->is_white(request, masks, layer, tile);
+  });
   if (has_older(request)) request.older->end_frame(request, masks, scene.executor());
   if (has_older(request)) request.older->tell_answers(request, scene.executor(), masks);
   if (has_older(request) && request.position_frames > 0 && !later) request.older->complete();

@@ -120,6 +120,25 @@ void for_planes(const MaskRequest& r, OlderMasks::Part part, Masks& masks, const
   if (r.unhidden_sky) work(1u, masks.lit.data() + lights * pixels, masks.layers);
 }
 
+// Calls work(plane, first tile, end) for each row of tiles of each plane of a part, on all threads.
+template <typename Work>
+void for_plane_rows(const MaskRequest& r, OlderMasks::Part part, const OcclusionMasks& masks, Executor& executor,
+                    const Work& work) {
+  struct Plane {
+    uint32_t index;
+    const uint8_t* texels;
+    uint32_t layer;
+  };
+  std::vector<Plane> planes;
+  for_planes(r, part, masks, [&](uint32_t index, const uint8_t* texels, uint32_t layer) {
+    planes.push_back({index, texels, layer});
+  });
+  const size_t columns = tile_count(r.width), rows = tile_count(r.height);
+  executor.run(planes.size() * rows, [&](size_t piece, uint32_t) {
+    work(planes[piece / rows], piece % rows * columns, (piece % rows + 1) * columns);
+  });
+}
+
 size_t planes_of(const MaskRequest& r, OlderMasks::Part part, const OcclusionMasks& masks) {
   if (part == OlderMasks::of_lights) return light_masks_of(r) + size_t{3} * masks.tints;
   return r.ao_rays == 0 ? 0 : r.unhidden_sky ? 2 : 1;
@@ -146,6 +165,36 @@ template <typename Work>
 void for_rows(const MaskRequest& r, size_t tile, const Work& work) {
   const TilePixels t(r, tile);
   for (uint32_t y = t.y0; y < t.y1; ++y) work(size_t{y} * r.width + t.x0, t.x1 - t.x0);
+}
+
+// Holds the runs of a tile's pixels (for_runs()) that have history. It is found for the first plane that needs it.
+class TileRuns {
+ public:
+  struct Run {
+    uint32_t to, count, from;  // pixels of this picture and of the previous one; from nowhere: no history
+  };
+  template <typename FromOfRow>
+  std::span<const Run> of(const MaskRequest& r, size_t tile, const FromOfRow& from_of_row) {
+    if (count_ == 0)
+      for_rows(r, tile, [&](size_t first, uint32_t across) {
+        std::array<uint32_t, tile_side> from;
+        from_of_row(first, across, from.data());
+        for_runs(from.data(), across, [&](uint32_t begin, uint32_t count, uint32_t there) {
+          runs_[count_++] = {static_cast<uint32_t>(first) + begin, count, there};
+        });
+      });
+    return {runs_.data(), count_};
+  }
+
+ private:
+  std::array<Run, tile_side * tile_side> runs_;
+  uint32_t count_ = 0;
+};
+
+void copy_runs(std::span<const TileRuns::Run> runs, const uint8_t* then, uint8_t* texels) {
+  for (const TileRuns::Run& run : runs)
+    if (run.from == PixelTrail::nowhere) std::fill_n(texels + run.to, run.count, uint8_t{255});
+    else std::copy_n(then + run.from, run.count, texels + run.to);
 }
 
 // Sets the Seen bits of a layer's filter tiles in a tile of the masks.
@@ -181,22 +230,43 @@ void OlderMasks::fit(const MaskRequest& r) {
   lacks_sky_.assign(r.ao_rays > 0 ? tiles_of(r) : 0, 1);
 }
 
-// Copies the mixed tiles, because reprojection reads them while the masks are overwritten.
+// Copies the mixed tiles, because reprojection reads them while the masks are overwritten. Copies the tiles beside them
+// too, so that tiles that come from both kinds are read without a decision a pixel.
 void OlderMasks::keep_mixed(const MaskRequest& r, Part part, const OcclusionMasks& masks, Executor& executor) {
   Kept& p = parts_[part];
   const size_t pixels = size_t{r.width} * r.height, tiles = tiles_of(r);
   p.shades[now_] = p.shades[1 - now_];
   p.then.resize(pixels * planes_of(r, part, masks));
-  for_planes(r, part, masks, [&](uint32_t plane, const uint8_t* texels, uint32_t) {
-    executor.run(tile_count(r.height), [&](size_t row, uint32_t) {
-      const size_t columns = tile_count(r.width);
-      for (size_t tile = row * columns; tile < (row + 1) * columns; ++tile)
-        if (p.shades[now_][plane * tiles + tile] == mixed)
-          for_rows(r, tile, [&](size_t first, uint32_t count) {
-            std::copy_n(texels + first, count, &p.then[plane * pixels + first]);
-          });
-    });
+  p.copied.resize(p.shades[now_].size());
+  for_plane_rows(r, part, masks, executor, [&](const auto& plane, size_t first_tile, size_t end) {
+    const Shade* shades = &p.shades[now_][plane.index * tiles];
+    for (size_t tile = first_tile; tile < end; ++tile) {
+      const bool copies = has_mixed_around(shades, glm::uvec2(tile - first_tile, first_tile / (end - first_tile)), r);
+      p.copied[plane.index * tiles + tile] = copies;
+      if (!copies) continue;
+      for_rows(r, tile, [&](size_t first, uint32_t count) {
+        std::copy_n(plane.texels + first, count, &p.then[plane.index * pixels + first]);
+      });
+    }
   });
+}
+
+bool OlderMasks::has_mixed_around(const Shade* shades, glm::uvec2 tile, const MaskRequest& r) {
+  const uint32_t columns = tile_count(r.width), rows = tile_count(r.height);
+  for (uint32_t y = tile.y - (tile.y > 0); y < std::min(tile.y + 2, rows); ++y)
+    for (uint32_t x = tile.x - (tile.x > 0); x < std::min(tile.x + 2, columns); ++x)
+      if (shades[size_t{y} * columns + x] == mixed) return true;
+  return false;
+}
+
+bool OlderMasks::is_white(const MaskRequest& r, const OcclusionMasks& masks, uint32_t layer, size_t tile) const {
+  const Kept& p = parts_[of_lights];
+  if (p.turns[tile] == number_ || is_kept(r, layer)) return false;
+  const size_t tiles = tiles_of(r), first = light_masks_of(r) + size_t{3} * (masks.tint_places[layer] - 1);
+  if ((first + 3) * tiles > p.shades[now_].size()) return false;
+  for (size_t plane = first; plane < first + 3; ++plane)
+    if (p.shades[now_][plane * tiles + tile] != all_lit) return false;
+  return true;
 }
 
 void OlderMasks::begin(const MaskRequest& r, TracedScene& scene, const OcclusionMasks& masks) {
@@ -259,18 +329,17 @@ void OlderMasks::end_frame(const MaskRequest& r, const OcclusionMasks& masks, Ex
   for (const Part part : {of_lights, of_sky}) {
     Kept& p = parts_[part];
     p.shades[now_].resize(planes_of(r, part, masks) * tiles, all_lit);
-    for_planes(r, part, masks, [&](uint32_t plane, const uint8_t* texels, uint32_t layer) {
-      executor.run(tile_count(r.height), [&](size_t row, uint32_t) {
-        const size_t columns = tile_count(r.width);
-        for (size_t tile = row * columns; tile < (row + 1) * columns; ++tile) {
-          Shade& shade = p.shades[now_][plane * tiles + tile];
-          if (is_kept(r, layer)) shade = mixed;  // which may be from a much earlier frame
-          if (p.turns[tile] != number_ || is_kept(r, layer)) continue;
-          Extent extent;
-          for_rows(r, tile, [&](size_t first, uint32_t count) { extent.add(texels + first, count); });
-          shade = extent.least == 255 ? all_lit : extent.largest == 0 ? all_dark : mixed;
-        }
-      });
+    if (!r.kept && std::ranges::find(p.turns, number_) == p.turns.end()) continue;
+    for_plane_rows(r, part, masks, executor, [&](const auto& plane, size_t first_tile, size_t end) {
+      const bool kept = is_kept(r, plane.layer);
+      for (size_t tile = first_tile; tile < end; ++tile) {
+        Shade& shade = p.shades[now_][plane.index * tiles + tile];
+        if (kept) shade = mixed;  // which may be from a much earlier frame
+        if (p.turns[tile] != number_ || kept) continue;
+        Extent extent;
+        for_rows(r, tile, [&](size_t first, uint32_t count) { extent.add(plane.texels + first, count); });
+        shade = extent.least == 255 ? all_lit : extent.largest == 0 ? all_dark : mixed;
+      }
     });
   }
 }
@@ -383,14 +452,14 @@ OlderMasks::Shade OlderMasks::shade_there(Part part, uint32_t plane, size_t tile
   return first == all_dark && !found.all_known ? mixed : first;
 }
 
-// Returns whether a plane was mixed in each tile from which a tile's pixels are reprojected.
-bool OlderMasks::were_mixed(Part part, uint32_t plane, size_t tile) const {
-  const std::vector<Shade>& shades = parts_[part].shades[1 - now_];
+// Returns whether a plane was copied in each tile from which a tile's pixels are reprojected.
+bool OlderMasks::were_copied(Part part, uint32_t plane, size_t tile) const {
+  const std::vector<uint8_t>& copied = parts_[part].copied;
   const size_t columns = tile_count(request_.width), tiles = tiles_of(request_);
   const auto& [from, to] = trail_->tiles_from(tile);
   for (uint32_t y = from.y; y <= to.y; ++y)
     for (uint32_t x = from.x; x <= to.x; ++x)
-      if (shades[plane * tiles + y * columns + x] != mixed) return false;
+      if (!copied[plane * tiles + y * columns + x]) return false;
   return true;
 }
 
@@ -402,20 +471,26 @@ void OlderMasks::show(const MaskRequest& r, Part part, size_t tile, const Ages& 
   const TilePixels t(r, tile);
   const uint32_t lights = light_masks_of(r);
   Kept& p = parts_[part];
+  TileRuns runs;
+  const auto from_of_row = [&](size_t first, uint32_t count, uint32_t* from) {
+    const auto y = static_cast<uint32_t>(first / r.width);
+    const auto& ages = found.of[y - t.y0];
+    const uint32_t* there = trail_->from(t.x0, y);
+    for (uint32_t i = 0; i < count; ++i) from[i] = ages[i] == no_answer ? PixelTrail::nowhere : there[i];
+  };
   for_planes(r, part, masks, [&](uint32_t plane, uint8_t* texels, uint32_t layer) {
     if (is_kept(r, layer)) return;
     Shade& shade = p.shades[now_][plane * tiles + tile];
     const Shade there = same_view ? (found.none_known ? all_lit : mixed) : shade_there(part, plane, tile, found);
     const Shade before = std::exchange(shade, there);
     if (there != mixed && there == before) return;
-    const bool all_mixed = !same_view && there == mixed && were_mixed(part, plane, tile);
-    // `then` holds mixed tiles only; the others are all of one kind.
+    const bool all_copied = !same_view && there == mixed && were_copied(part, plane, tile);
+    // Tiles that `then` does not hold are all of one kind.
     const auto texel_there = [&](uint32_t from) {
-      if (all_mixed) return p.then[plane * pixels + from];
       const Shade kind = p.shades[1 - now_][plane * tiles + from / r.width / tile_side * columns + from % r.width / tile_side];
       return kind == mixed ? p.then[plane * pixels + from] : static_cast<uint8_t>(kind);
     };
-    for_rows(r, tile, [&](size_t first, uint32_t count) {
+    const auto write_row = [&](size_t first, uint32_t count) {
       if (there != mixed) {
         std::fill_n(texels + first, count, static_cast<uint8_t>(there));
         return;
@@ -428,7 +503,9 @@ void OlderMasks::show(const MaskRequest& r, Part part, size_t tile, const Ages& 
           texels[first + i] = 255;
         else if (!same_view)
           texels[first + i] = texel_there(from[i]);
-    });
+    };
+    if (all_copied) copy_runs(runs.of(r, tile, from_of_row), &p.then[plane * pixels], texels);
+    else for_rows(r, tile, write_row);
     if (part != of_lights || plane >= lights) return;
     mark_seen(r, tile, plane, masks);
     if (r.hit_distances)

@@ -55,6 +55,8 @@ class OlderMasks {
   // Fills a skipped tile's masks with reprojected history. Pixels without history become lit and open; the sky uses its
   // samples. Counts the tile's pixels.
   void leave(const MaskRequest& request, Part part, size_t tile, OcclusionMasks& masks, Counters& counters);
+  // Returns whether a tile of a layer's tints shows history that is known to be white.
+  bool is_white(const MaskRequest& request, const OcclusionMasks& masks, uint32_t layer, size_t tile) const;
   // Ends a part, after traced() or leave() was called for each of its tiles.
   void end(Part part);
   // Ends the frame, after its masks are filtered.
@@ -76,7 +78,9 @@ class OlderMasks {
   enum Shade : uint8_t { all_dark = 0, mixed = 1, all_lit = 255 };
   struct Kept {
     std::vector<Shade> shades[2];  // of each plane's tiles, in this frame and the previous one
-    std::vector<uint8_t> then;     // mixed tiles of the previous frame if the view has moved, layer-major
+    std::vector<uint8_t> then;     // mixed tiles and those beside them of the previous frame if the view has moved,
+                                   // layer-major
+    std::vector<uint8_t> copied;   // of each plane's tiles: it is in `then`
     std::vector<uint8_t> ages[2];  // of the pixels of this frame and the previous one, or no_answer
     std::vector<uint8_t> tile_ages[2];  // what all of a tile's pixels have in `ages`, or various_ages
     std::vector<uint32_t> turns;
@@ -95,10 +99,11 @@ class OlderMasks {
   bool follows(const MaskRequest& request, const model::Snapshot& snapshot) const;
   void fit(const MaskRequest& request);
   void keep_mixed(const MaskRequest& request, Part part, const OcclusionMasks& masks, Executor& executor);
+  static bool has_mixed_around(const Shade* shades, glm::uvec2 tile, const MaskRequest& request);
   uint8_t common_age_there(Part part, size_t tile) const;
   void look_back(Part part, size_t tile, Ages& found) const;
   Shade shade_there(Part part, uint32_t plane, size_t tile, const Ages& found) const;
-  bool were_mixed(Part part, uint32_t plane, size_t tile) const;
+  bool were_copied(Part part, uint32_t plane, size_t tile) const;
   void take_samples(const MaskRequest& request, size_t tile, Ages& found, OcclusionMasks& masks);
   void show(const MaskRequest& request, Part part, size_t tile, const Ages& found, OcclusionMasks& masks);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <utility>
 
 #include "model/failure.h"
 
@@ -104,16 +105,17 @@ void ShadowFilter::fit(const ShadowFilterInput& input) {
          height_);
   tiles_.assign(size_t{tiles_x_} * tiles_y_, {});
   row_states_.assign(tiles_y_, {});
-  for (ZeroedVector<float>& plane : planes_) plane = ZeroedVector<float>(size);
+  for (ZeroedFloats& plane : planes_) plane.reset(size);
   for (auto& frame : history_)
-    for (std::vector<float>& plane : frame) plane.clear();
+    for (ZeroedFloats& plane : frame) plane.reset(0);
   follows_ = false;
 }
 
 // Allocates the history's memory, which a single picture does not need.
 void ShadowFilter::fit_history() {
   for (auto& frame : history_)
-    for (std::vector<float>& plane : frame) plane.resize(planes_[visibility].size());
+    for (ZeroedFloats& plane : frame)
+      if (plane.size() == 0) plane.reset(planes_[visibility].size());
 }
 
 // Returns the union of the Seen bits of a tile and its neighbours.
@@ -333,8 +335,7 @@ std::vector<size_t> ShadowFilter::share_guides(std::span<ShadowFilter* const> fi
     filter.guide_ = filter.own_guide_;
     const size_t size = filter.planes_[visibility].size();
     if (filter.guide_->width == filter.width_ && filter.guide_->height == filter.height_) continue;
-    for (std::vector<float>* plane : {&filter.guide_->inverse, &filter.guide_->slope_x, &filter.guide_->slope_y})
-      plane->assign(size, 0.0f);
+    for (ZeroedFloats* plane : {&filter.guide_->inverse, &filter.guide_->slope_x, &filter.guide_->slope_y}) plane->reset(size);
     filter.guide_->width = filter.width_;
     filter.guide_->height = filter.height_;
   }
@@ -358,6 +359,14 @@ void ShadowFilter::spatial(Executor& executor, std::span<ShadowFilter* const> fi
     });
   };
   run([&](size_t i, uint32_t y, ShadowRow&) { filters[i]->choose(inputs[i], y); });
+  std::vector<size_t> loaded;  // pieces, as run() counts them
+  for (size_t piece = 0; piece < rows * filters.size(); ++piece)
+    if (filters[piece / rows]->row_states_[piece % rows].loaded) loaded.push_back(piece);
+  const auto run_loaded = [&](const auto& work) {
+    executor.run(loaded.size(), [&](size_t index, uint32_t thread) {
+      work(loaded[index] / rows, static_cast<uint32_t>(loaded[index] % rows), scratch[thread]);
+    });
+  };
   for (const size_t i : guides) filters[i]->guide_->needed.assign(filters[i]->tiles_.size(), 0);
   for (ShadowFilter* filter : filters)
     std::transform(filter->tiles_.begin(), filter->tiles_.end(), filter->guide_->needed.begin(),
@@ -373,11 +382,11 @@ void ShadowFilter::spatial(Executor& executor, std::span<ShadowFilter* const> fi
     filter.invert(depth, y, to.needed, to.inverse.data());
   });
   guide([](ShadowFilter& filter, Guide& to, std::span<const float>, uint32_t y) { filter.slope(y, to.needed); });
-  run([&](size_t i, uint32_t y, ShadowRow& row) { filters[i]->load(inputs[i], y, row); });
-  run([&](size_t i, uint32_t y, ShadowRow& row) { filters[i]->classify(inputs[i], y, row); });
+  run_loaded([&](size_t i, uint32_t y, ShadowRow& row) { filters[i]->load(inputs[i], y, row); });
+  run_loaded([&](size_t i, uint32_t y, ShadowRow& row) { filters[i]->classify(inputs[i], y, row); });
   for (int pass = 0; pass < passes; ++pass) {
-    run([&](size_t i, uint32_t y, ShadowRow&) { filters[i]->blur(y, 1 << pass); });
-    for (ShadowFilter* filter : filters) filter->planes_[visibility].swap(filter->planes_[filtered]);
+    run_loaded([&](size_t i, uint32_t y, ShadowRow&) { filters[i]->blur(y, 1 << pass); });
+    for (ShadowFilter* filter : filters) std::swap(filter->planes_[visibility], filter->planes_[filtered]);
   }
 }
 
@@ -437,7 +446,7 @@ void ShadowFilter::follow(const shading::SfLight& light, std::span<const float> 
     fail(SIDERAY_INVALID_ARGUMENT, "shadow filter: the depth is not {} x {}; give the last frame's", width_, height_);
   fit_history();
   const ShadowHistoryPlanes after = history(current_);
-  std::copy(planes_[visibility].begin(), planes_[visibility].end(), after.value);
+  std::copy_n(planes_[visibility].data(), planes_[visibility].size(), after.value);
   for (uint32_t tile_y = 0; tile_y < tiles_y_; ++tile_y) invert(depth, tile_y, {}, after.inverse);
   for (uint32_t y = 0; y < height_; ++y)
     for (uint32_t x = 0; x < tiles_x_; ++x) {
@@ -458,7 +467,7 @@ void ShadowFilter::temporal(Executor& executor, const ShadowFilterInput& input, 
     fail(SIDERAY_INVALID_ARGUMENT, "shadow filter: no frame of {} x {} was filtered; call spatial() first", input.width,
          input.height);
   fit_history();
-  if (!follows_) std::fill(history_[current_][inverse_then].begin(), history_[current_][inverse_then].end(), 0.0f);
+  if (!follows_) std::fill_n(history_[current_][inverse_then].data(), history_[current_][inverse_then].size(), 0.0f);
   if (!again || !follows_) current_ = 1 - current_;
   const ShadowTerms terms = terms_of(input);
   executor.run(tiles_y_, [&](size_t y, uint32_t) { accumulate(terms, input, static_cast<uint32_t>(y)); });

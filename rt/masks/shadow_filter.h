@@ -11,7 +11,7 @@
 
 #include "rt/base/executor.h"
 #include "rt/masks/kernels/shadow_kernels.h"
-#include "rt/masks/zeroed_vector.h"
+#include "rt/masks/zeroed_floats.h"
 #include "shaders/light/shadow_filter_cpp.h"
 
 namespace sideray::rt {
@@ -71,7 +71,7 @@ class ShadowFilter {
   struct ShadowRow;
   // Holds the surfaces of a frame; filters of the same depth share it.
   struct Guide {
-    std::vector<float> inverse, slope_x, slope_y;
+    ZeroedFloats inverse, slope_x, slope_y;
     uint32_t width = 0, height = 0;
     std::vector<uint8_t> needed;  // tiles that some filter reads; others keep their old content
   };
@@ -123,8 +123,7 @@ class ShadowFilter {
   // For this frame: the filter whose reach this one uses; in a leader, all filters that use its reach, itself first.
   ShadowFilter* leader_ = nullptr;
   std::vector<Sharing> sharing_;
-  ZeroedVector<float> planes_[plane_count];
-  std::vector<float> history_[2][history_plane_count];
+  ZeroedFloats planes_[plane_count], history_[2][history_plane_count];
 };
 
 }  // namespace sideray::rt

@@ -18,7 +18,7 @@ namespace sideray::rt {
 // history.
 inline std::vector<uint32_t> light_tile_order(const LightRequest& r, std::span<const uint32_t> turns) {
   std::vector<uint32_t> order;
-  if (!is_bounded(r.work)) return order;
+  if (!is_bounded(r.work) || is_over(r.work)) return order;
   order = order_of_importance(tile_count(r.width), tile_count(r.height));
   if (!turns.empty()) order_by_turns(turns, order);
   return order;
@@ -33,6 +33,12 @@ void for_light_tiles(const LightRequest& r, const WorkTime& work, Executor& exec
   const size_t count = order.empty() ? size_t{tile_count(r.width)} * tile_count(r.height) : order.size();
   TileReach* reach = r.wanted ? r.wanted->reach.get() : nullptr;
   if (reach) reach->fit(r.view, r.width, r.height, r.depth);
+  if (is_over(work) && order.empty())
+    return executor.run_cheap(count, [&](size_t tile, uint32_t thread) {
+      if (r.cancelled && r.cancelled->load()) return;
+      prepare(static_cast<uint32_t>(tile), thread);
+      if (traced.empty() || traced[tile]) end(static_cast<uint32_t>(tile), thread, false);
+    });
   WorkClock clock(work);
   std::atomic<size_t> next{0};
   executor.run(count, [&](size_t numbered, uint32_t thread) {

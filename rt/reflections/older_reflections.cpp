@@ -82,17 +82,20 @@ bool OlderReflections::has_past(size_t tile) const {
 
 void OlderReflections::leave(const ReflectionRequest& r, size_t tile, ReflectionImage& image, Counters& counters) {
   const bool has_past = this->has_past(tile);
-  if (!has_past) empty(tile, image);
+  if (!has_past) empty_tile(tile, image);
   uint32_t mirrors = 0, older = 0;
   uint8_t most = 0;
   for_rows(tile, [&](uint32_t x, uint32_t y, uint32_t count) {
     const size_t first = size_t{y} * width_ + x;
-    std::array<uint8_t, frame_tile_size> reflects{};  // as few pixels do
-    if (r.normals.any_below(first, count, r.max_roughness))
-      for (uint32_t i = 0; i < count; ++i)
-        reflects[i] = trail_->depths()[first + i] > 0.0f &&
-                      reflection_share(r.normals.roughness(first + i), r.max_roughness) > 0.0f;
-    for (uint32_t i = 0; i < count; ++i) mirrors += reflects[i];
+    std::array<uint8_t, frame_tile_size> reflects;
+    if (!r.normals.find_reflecting(first, count, r.max_roughness, reflects.data())) {  // as in most rows
+      if (has_past) empty(first, count, image);
+      return;
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+      reflects[i] &= trail_->depths()[first + i] > 0.0f;
+      mirrors += reflects[i];
+    }
     if (!has_past) return;
     const uint32_t* from = trail_->from(x, y);
     for (uint32_t i = 0; i < count; ++i) {
@@ -112,13 +115,16 @@ void OlderReflections::leave(const ReflectionRequest& r, size_t tile, Reflection
   if (mirrors > 0) counters.frames_waiting = std::max<uint64_t>(counters.frames_waiting, number_ - turns_[tile]);
 }
 
-void OlderReflections::empty(size_t tile, ReflectionImage& image) {
+void OlderReflections::empty_tile(size_t tile, ReflectionImage& image) {
   if (std::exchange(empty_[tile], uint8_t{1})) return;
   for_rows(tile, [&](uint32_t x, uint32_t y, uint32_t count) {
-    const size_t first = size_t{y} * width_ + x;
-    std::fill_n(&ages_[first], count, no_answer);
-    std::fill_n(&image.radiance[4 * first], 4 * count, uint16_t{0});
+    empty(size_t{y} * width_ + x, count, image);
   });
+}
+
+void OlderReflections::empty(size_t first, uint32_t count, ReflectionImage& image) {
+  std::fill_n(&ages_[first], count, no_answer);
+  std::fill_n(&image.radiance[4 * first], 4 * size_t{count}, uint16_t{0});
 }
 
 }  // namespace sideray::rt

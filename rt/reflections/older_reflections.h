@@ -42,7 +42,9 @@ class OlderReflections {
  private:
   bool follows(const ReflectionRequest& request, const model::Snapshot& committed) const;
   bool has_past(size_t tile) const;
-  void empty(size_t tile, ReflectionImage& image);
+  void empty_tile(size_t tile, ReflectionImage& image);
+  // Removes the reflections of pixels of a row.
+  void empty(size_t first, uint32_t count, ReflectionImage& image);
   template <typename Work>
   void for_rows(size_t tile, const Work& work) const;
 

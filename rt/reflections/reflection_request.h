@@ -27,8 +27,8 @@ class NormalTexels {
   std::span<const std::byte> bytes() const { return bytes_; }
   glm::vec4 operator[](size_t texel) const;
   float roughness(size_t texel) const;
-  // Returns whether any of `count` texels may be at most as rough as `roughness`. Only false is certain.
-  bool any_below(size_t first, size_t count, float roughness) const;
+  // Sets for each of `count` texels whether it has a reflection_share(). Returns whether any has.
+  bool find_reflecting(size_t first, size_t count, float max_roughness, uint8_t* reflects) const;
 
  private:
   std::span<const std::byte> bytes_;

@@ -106,17 +106,18 @@ float NormalTexels::roughness(size_t texel) const {
 }
 
 // The loops have no branches, so that they become vector code. Halfs of one sign are ordered like their bits.
-bool NormalTexels::any_below(size_t first, size_t count, float roughness) const {
-  bool any = false;
+bool NormalTexels::find_reflecting(size_t first, size_t count, float max_roughness, uint8_t* reflects) const {
+  uint8_t any = 0;
   if (are_halfs_) {
     const auto* half = reinterpret_cast<const uint16_t*>(bytes_.data()) + 4 * first + 3;
-    const auto most = static_cast<int16_t>(half_bits(roughness) + 1);
-    for (size_t i = 0; i < count; ++i) any |= static_cast<int16_t>(half[4 * i]) <= most;
+    auto most = static_cast<int16_t>(half_bits(max_roughness) + 1);
+    while (most >= 0 && !(reflection_share(imath_half_to_float(static_cast<uint16_t>(most)), max_roughness) > 0.0f)) --most;
+    for (size_t i = 0; i < count; ++i) any |= reflects[i] = static_cast<int16_t>(half[4 * i]) <= most;
   } else {
     const float* value = reinterpret_cast<const float*>(bytes_.data()) + 4 * first + 3;
-    for (size_t i = 0; i < count; ++i) any |= value[4 * i] <= roughness;
+    for (size_t i = 0; i < count; ++i) any |= reflects[i] = reflection_share(value[4 * i], max_roughness) > 0.0f;
   }
-  return any;
+  return any != 0;
 }
 
 float reflection_share(float roughness, float max_roughness) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <sideray/diagnostics.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -160,6 +161,30 @@ TEST(FrameBudgets, KeepTimeForWhatComesBehindRays) {
     std::this_thread::sleep_until(turn.stop + std::chrono::milliseconds(20));
     budget.finish(0, 2, turn, unfinished);
   }
+}
+
+// What a job takes with rays does not count twice: two jobs that take nine tenths of a budget without any have the rest,
+// although slow frames left no time for rays before.
+TEST(FrameBudgets, RecoverFromSlowFrames) {
+  constexpr int slow_frames = 4, most_frames = 300;
+  rt::Counters unfinished;
+  unfinished.pixels_total = unfinished.pixels_masked = 100;
+  unfinished.pixels_late = 50;
+  FrameBudget budget;
+  bool starved = true;
+  for (int frame = 0; frame < most_frames && starved; ++frame) {
+    const std::chrono::microseconds without_rays(frame < slow_frames ? 10'000 : 7'200);
+    const FrameBudget::Time end = budget.begin(0, 16.0);
+    starved = frame < slow_frames;
+    for (const size_t job : {size_t{0}, size_t{1}}) {
+      const FrameBudget::Turn turn = budget.start(0, job, {false, job == 0}, end);
+      starved = starved || turn.starved;
+      const FrameBudget::Time least = turn.begun + without_rays + turn.least;
+      std::this_thread::sleep_until(turn.traces ? std::max(turn.stop, least) : least);
+      budget.finish(0, job, turn, unfinished);
+    }
+  }
+  EXPECT_FALSE(starved);
 }
 
 TEST(FrameBudgets, GoToThoseThatHaveMoreToDo) {
