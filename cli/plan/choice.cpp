@@ -63,7 +63,7 @@ std::string bounds_text(const lab::CostBounds& bounds) {
 
 [[noreturn]] void fail_to_hold(const Choice& choice, const lab::CostBounds& bounds) {
   throw Error(SIDERAY_UNSUPPORTED,
-              fmt::format("{}: none of {} configurations holds it; the nearest is {}: raise the bound, or leave more "
+              fmt::format("{}: none of {} configurations holds it, the nearest is {}; raise the bound, or leave more "
                           "options open",
                           bounds_text(bounds), choice.considered.size(), describe(choice, choice.chosen())));
 }

@@ -269,7 +269,13 @@ TEST_F(Usage, BadInputIsOneLine) {
   expect_refused("render panes -o x.png --env tiny.hdr", failed, "cannot use tiny.hdr: environment of 1x1 pixels; ");
   expect_refused("make panes -o nosuch/x.glb", failed, "nosuch/x.glb");
   fs::create_directory(path("folder.png"));
-  expect_refused("render panes -o folder.png", failed, "folder");
+  expect_refused("render panes -o folder.png", failed, "it is a folder; choose another name");
+  expect_refused("render panes -o " + std::string(252, 'x') + ".png", failed, "choose a shorter name");
+}
+
+TEST_F(Usage, AFileBeyondTheShellsLimitIsOneLine) {
+  const std::string blocks = "ulimit -f 8 &&";  // of 512 bytes
+  expect_refused("make panes -o x.glb", failed, "File too large; free some space", blocks);
 }
 
 TEST_F(Usage, BrokenSceneFilesAreOneLine) {
