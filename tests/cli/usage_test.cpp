@@ -127,6 +127,7 @@ TEST_F(Usage, WrongUsageIsExitCodeTwo) {
   expect_refused("make panes -o x.glb --set count", usage, "K=V");
   expect_refused("make panes -o x.glb --set colour=3", usage, "count");
   expect_refused("make panes -o x.glb --set count=many", usage, "many");
+  expect_refused("make panes -o x.glb --set count=2 --set count=3", usage, "count is given twice");
 }
 
 TEST_F(Usage, MistypedNamesAreAnsweredWithTheNearest) {
@@ -315,6 +316,10 @@ TEST_F(Usage, JobsFilesAreChecked) {
   expect_refused("render --jobs jobs.json", usage, "jobs.json: is not JSON");
   std::ofstream(path("jobs.json")) << R"([{"scene": "panes", "o": "a.png", "o": "b.png"}])";
   expect_refused("render --jobs jobs.json", usage, "jobs.json: \"o\" is given twice");
+  std::ofstream(path("jobs.json")) << R"([{"scene": "panes", "o": "a.png", "exposure": 1e400}])";
+  expect_refused("render --jobs jobs.json", usage, "jobs.json: holds a number that no double holds");
+  std::ofstream(path("jobs.json")) << R"([{"scene": "panes", "o": "a\u0000b.png"}])";
+  expect_refused("render --jobs jobs.json", usage, "jobs.json job 0: o holds a NUL");
   std::ofstream(path("jobs.json")) << R"([{"scene": "panes", "o": "a.png"}, {"scene": "panes", "o": "./a.png"}])";
   expect_refused("render --jobs jobs.json", usage, "jobs.json job 1: writes ./a.png as job 0 does");
   std::ofstream(path("jobs.json")) << R"([{"scene": "nosuch.glb", "o": "a.png"}])";
