@@ -341,6 +341,15 @@ TEST_F(Usage, AFullStandardOutputFails) {
   EXPECT_NE(plan.errors.find("sideray: standard output: "), std::string::npos) << plan.errors;
 }
 
+TEST_F(Usage, NamesThatAreNotUtf8AreReplacedInJson) {
+  ASSERT_EQ(run("make panes -o '\xff.glb'").exit_code, 0);
+  const std::string scene = "'\xff.glb' --size 8x8 --gl none";
+  for (const char* command : {"plan --json ", "bench --repeat 1 --json - "})
+    EXPECT_TRUE(nlohmann::json::accept(run(command + scene).output)) << command;
+  const Outcome drawn = run("render " + scene + " --frames 0-1 --shard 0/1 -o '\xff.##.png' --stats '\xff.json'");
+  EXPECT_EQ(drawn.exit_code, 0) << drawn.errors;
+}
+
 TEST_F(Usage, NoDeviceIsOneLine) {
   const std::string nowhere = "__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent.json __EGL_VENDOR_LIBRARY_DIRS=/nonexistent";
   expect_refused("render panes -o x.png --gl egl --size 16x16", failed, "no usable OpenGL device", nowhere);
