@@ -112,7 +112,8 @@ scenes::Settings parse_settings(const std::vector<std::string>& assignments) {
     const size_t equals = assignment.find('=');
     if (equals == 0 || equals == std::string::npos)
       wrong_usage("--set: \"{}\" is not K=V; write for example --set count=8", assignment);
-    settings[assignment.substr(0, equals)] = assignment.substr(equals + 1);
+    if (!settings.emplace(assignment.substr(0, equals), assignment.substr(equals + 1)).second)
+      wrong_usage("--set: {} is given twice; remove one", assignment.substr(0, equals));
   }
   return settings;
 }

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -165,6 +166,9 @@ void prepare() {
 
 int main(int argc, char** argv) {
   using namespace sideray::cli;
+  // Lets write() fail where a file outgrows `ulimit -f`, instead of ending the program. Unlike SIG_IGN, a handler is not
+  // inherited by what `sideray run` starts.
+  std::signal(SIGXFSZ, [](int) {});
   try {
     return checked_output(run(argc, argv));
   } catch (const UsageError& error) {

@@ -202,8 +202,8 @@ OptionValue read_option(const OptionRow& row, const OptionValues& values) {
 void check_size(uint32_t width, uint32_t height) {
   if (width < 1 || height < 1 || width > longest_side || height > longest_side ||
       uint64_t{width} * height > most_pixels)
-    fail(SIDERAY_INVALID_ARGUMENT, "size: {}x{}: sides must be 1 to {} and at most {} pixels in all", width, height,
-         longest_side, most_pixels);
+    fail(SIDERAY_INVALID_ARGUMENT, "size: {}x{}: is out of range; give sides of 1 to {} and at most {} pixels in all",
+         width, height, longest_side, most_pixels);
 }
 
 }  // namespace sideray::bridge

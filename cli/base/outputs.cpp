@@ -20,9 +20,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void cannot_write(const std::string& path, const std::string& why) {
-  throw Error(SIDERAY_INVALID_ARGUMENT,
-              fmt::format("{}: cannot be written: {}; choose a folder that exists and allows it", path, why));
+[[noreturn]] void cannot_write(const std::string& path, const std::string& why, const std::string& remedy) {
+  throw Error(SIDERAY_INVALID_ARGUMENT, fmt::format("{}: cannot be written: {}; {}", path, why, remedy));
+}
+
+[[noreturn]] void cannot_write(const std::string& path, int code) {
+  cannot_write(path, std::strerror(code),
+               code == ENAMETOOLONG ? "choose a shorter name" : "choose a folder that exists and allows it");
 }
 
 // Creates an empty file beside `path`, whose name no other process has on any machine, and removes it at the end.
@@ -31,7 +35,7 @@ class Scratch {
  public:
   explicit Scratch(const std::string& path) : name_(path + ".tmp-XXXXXX") {
     const int file = mkostemp(name_.data(), O_CLOEXEC);
-    if (file < 0) cannot_write(path, std::strerror(errno));
+    if (file < 0) cannot_write(path, errno);
     close(file);
   }
   ~Scratch() { unlink(name_.c_str()); }
@@ -72,9 +76,10 @@ std::string require_extension(const std::string& what, const std::string& path,
 // Creates and removes a file, since permission bits say little (root, read-only mounts).
 void require_writable(const std::string& path) {
   std::error_code ignored;
-  if (fs::is_directory(path, ignored)) cannot_write(path, "it is a folder");
+  if (fs::is_directory(path, ignored)) cannot_write(path, "it is a folder", "choose another name");
   const fs::file_status status = fs::status(path, ignored);
-  if (fs::exists(status) && !fs::is_regular_file(status)) cannot_write(path, "it is not a regular file");
+  if (fs::exists(status) && !fs::is_regular_file(status))
+    cannot_write(path, "it is not a regular file", "choose another name");
   const Scratch scratch(path);
 }
 
@@ -96,7 +101,7 @@ bool write_text_once(const std::string& path, const std::string& text) {
   const Scratch scratch(path);
   write_text(scratch.name(), text);
   const int failure = link(scratch.name().c_str(), path.c_str()) == 0 ? 0 : errno;
-  if (failure != 0 && failure != EEXIST) cannot_write(path, std::strerror(failure));
+  if (failure != 0 && failure != EEXIST) cannot_write(path, failure);
   return failure == 0;
 }
 

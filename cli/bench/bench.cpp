@@ -12,6 +12,7 @@
 #include "cli/session/picture_files.h"
 #include "cli/session/session.h"
 #include "lab/chart/chart_row.h"
+#include "scenes/base/json_text.h"
 
 namespace sideray::cli {
 namespace {
@@ -106,12 +107,12 @@ void print_table(const std::vector<RenderRun>& runs) {
 // Returns a JSON object; for a sequence, a line for each frame.
 std::string json_text(const BenchOptions& options, const std::vector<RenderOptions>& pictures,
                       const std::vector<RenderRun>& runs) {
-  if (!options.picture.frames) return stats_json(pictures.front(), runs.front()).dump(2) + "\n";
+  if (!options.picture.frames) return scenes::json_text(stats_json(pictures.front(), runs.front()), 2) + "\n";
   std::string text;
   for (size_t i = 0; i < runs.size(); ++i) {
     nlohmann::ordered_json line = {{"frame", options.picture.frames->first + i}};
     line.update(stats_json(pictures[i], runs[i]));
-    text += line.dump() + "\n";
+    text += scenes::json_text(line) + "\n";
   }
   return text;
 }

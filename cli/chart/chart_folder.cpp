@@ -8,6 +8,7 @@
 #include "cli/base/outputs.h"
 #include "cli/base/program.h"
 #include "scenes/base/files.h"
+#include "scenes/base/json_text.h"
 #include "scenes/images/images.h"
 
 namespace sideray::cli {
@@ -105,7 +106,7 @@ std::optional<lab::ChartRow> ChartFolder::restore_row(size_t row, const Json& ma
 }
 
 void ChartFolder::save_row(size_t row, const lab::ChartRow& content) const {
-  write_text(path(row_file(row)), lab::to_json(content).dump(1) + "\n");
+  write_text(path(row_file(row)), scenes::json_text(lab::to_json(content), 1) + "\n");
 }
 
 std::optional<lab::ChartReference> ChartFolder::restore_reference() const {
@@ -127,7 +128,7 @@ void ChartFolder::save_reference(const lab::ChartReference& reference) const {
   json["caustics"] = reference.caustics;
   if (reference.self_error) json["self_error"] = *reference.self_error;
   if (frames_) json["self_errors"] = reference.self_errors;
-  write_text(path(reference_file), json.dump(1) + "\n");
+  write_text(path(reference_file), scenes::json_text(json, 1) + "\n");
 }
 
 }  // namespace sideray::cli

@@ -12,6 +12,7 @@
 #include "cli/chart/ledger_pictures.h"
 #include "lab/chart/ledger.h"
 #include "lab/page/page_pictures.h"
+#include "scenes/base/json_text.h"
 
 namespace sideray::cli {
 namespace {
@@ -146,7 +147,7 @@ Json ledger(const ChartOptions& options, const ChartFolder& folder, Session& ses
                {"absent", named_reasons(shortcuts.absent)}};
   json["differing_pixels"] = std::count(differing.begin(), differing.end(), uint8_t{1});
   scenes::write_exr(folder.path("ledger.exr"), lab::layers_of(split));
-  write_text(folder.path("ledger.json"), json.dump(2) + "\n");
+  write_text(folder.path("ledger.json"), scenes::json_text(json, 2) + "\n");
   add_maps(split, json);
   return json;
 }

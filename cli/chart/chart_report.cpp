@@ -8,6 +8,7 @@
 #include "cli/base/failure.h"
 #include "cli/base/outputs.h"
 #include "cli/chart/chart_ledger.h"
+#include "scenes/base/json_text.h"
 
 namespace sideray::cli {
 namespace {
@@ -68,7 +69,7 @@ int write_chart(const ChartOptions& options, const ChartFolder& folder, const la
   Json results = lab::results_json(options.scene, reference, rows, options.metric);
   if (const std::optional<FrameRange>& frames = options.frames)
     results["frames"] = {{"first", frames->first}, {"last", frames->last}, {"fps", frames->fps}};
-  write_text(folder.path("results.json"), results.dump(2) + "\n");
+  write_text(folder.path("results.json"), scenes::json_text(results, 2) + "\n");
   write_text(folder.path("results.csv"), lab::results_csv(results));
   write_text(folder.path("index.html"), chart_page(options, folder, shown, results, ledger));
   print_noise(results);

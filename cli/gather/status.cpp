@@ -3,6 +3,7 @@
 #include "cli/base/failure.h"
 #include "cli/gather/gather.h"
 #include "cli/gather/survey.h"
+#include "scenes/base/json_text.h"
 
 namespace sideray::cli {
 namespace {
@@ -74,7 +75,7 @@ void print(const Survey& run) {
 int status(const std::string& folder, bool json) {
   const Survey run = survey(folder, false);
   if (json)
-    fmt::print("{}\n", to_json(run).dump(2));
+    fmt::print("{}\n", scenes::json_text(to_json(run), 2));
   else
     print(run);
   return run.is_whole() ? exit_ok : exit_failed;

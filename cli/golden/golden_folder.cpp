@@ -1,6 +1,7 @@
 #include "cli/golden/golden_folder.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -44,7 +45,25 @@ bool cannot_exchange(int code) {
   return code == EINVAL || code == ENOSYS || code == ENOTSUP || code == EXDEV;
 }
 
+// Removes the folders beside `target` that killed programs have left. Those of running ones are locked.
+void remove_abandoned(const fs::path& target) {
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(target.parent_path(), ignored)) {
+    if (!is_unfinished(entry.path().string()) || entry.path().stem() != target.filename()) continue;
+    const FolderLock lock(entry.path().string());
+    if (lock.is_held()) fs::remove_all(entry.path(), ignored);
+  }
+}
+
 }  // namespace
+
+FolderLock::FolderLock(const std::string& path)
+    : descriptor_(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC)),
+      is_held_(descriptor_ >= 0 && ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) {}
+
+FolderLock::~FolderLock() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
 
 Manifest recorded(const GoldenFolder& folder) {
   std::error_code ignored;
@@ -78,7 +97,9 @@ StagedFolder::StagedFolder(const std::string& target) : target_(target), path_(t
   const fs::file_status status = fs::status(target, ignored);
   if (fs::exists(status) && !fs::is_directory(status))
     scenes::refuse("{}: is no folder; move it away", target);
+  remove_abandoned(target);
   if (!mkdtemp(path_.data())) cannot_make(target, errno);
+  lock_.emplace(path_);
   // mkdtemp makes private folders; this one gets the permissions of any new folder.
   const mode_t mask = ::umask(0);
   ::umask(mask);

@@ -1,6 +1,7 @@
 // Manages the folder of golden pictures: what is where, and replacing its content as a whole. Main thread.
 #pragma once
 
+#include <optional>
 #include <set>
 #include <string>
 
@@ -29,8 +30,22 @@ scenes::Image recorded_ids(const std::string& where, const GoldenPicture& entry)
 // Returns the program's own files in the folder of references.
 std::set<std::string> files_of(const Manifest& manifest);
 
+// Locks a folder, which the system unlocks where the program is killed. File systems without such locks hold none.
+class FolderLock {
+ public:
+  explicit FolderLock(const std::string& path);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+  bool is_held() const { return is_held_; }
+
+ private:
+  int descriptor_;
+  bool is_held_;
+};
+
 // Creates a folder beside `target` with a name that no other process has. It is removed at the end, or replaces the
-// target as a whole; the old target is then removed.
+// target as a whole; the old target is then removed. The next one for the target removes those of killed programs.
 class StagedFolder {
  public:
   explicit StagedFolder(const std::string& target);  // throws Error
@@ -50,6 +65,7 @@ class StagedFolder {
 
  private:
   std::string target_, path_;
+  std::optional<FolderLock> lock_;
 };
 
 }  // namespace sideray::cli

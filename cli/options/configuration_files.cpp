@@ -30,6 +30,8 @@ nlohmann::json parse_unique(const std::vector<uint8_t>& bytes, const std::string
     return Json::parse(bytes, check);
   } catch (const Json::parse_error& error) {
     wrong_usage("{}: is not JSON from byte {} on; correct it", path, error.byte);
+  } catch (const Json::out_of_range&) {  // the only one of parse()
+    wrong_usage("{}: holds a number that no double holds; correct it", path);
   }
 }
 

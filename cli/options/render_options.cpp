@@ -71,9 +71,10 @@ Projection projection_of(const std::string& given, double width, double height) 
   const double yfov = 2.0 * std::atan(0.5 * height / fy), shift_x = cx / width - 0.5, shift_y = cy / height - 0.5;
   if (yfov <= 1e-4 || yfov >= 3.13)
     wrong_usage("--{}: FY {} is no lens of a picture {} pixels high; give it in pixels", name, parts[1], height);
-  if (fx < 1e-3 * fy || fx > 1e3 * fy) wrong_usage("--{}: FX {} and FY {} differ more than 1000 times", name, fx, fy);
+  if (fx < 1e-3 * fy || fx > 1e3 * fy)
+    wrong_usage("--{}: FX {} and FY {} differ more than 1000 times; give both in pixels", name, fx, fy);
   if (std::abs(shift_x) > 100.0 || std::abs(shift_y) > 100.0)
-    wrong_usage("--{}: the principal point {},{} is more than 100 pictures away", name, cx, cy);
+    wrong_usage("--{}: the principal point {},{} is more than 100 pictures away; give it in pixels", name, cx, cy);
   return {static_cast<float>(yfov), static_cast<float>(fx / fy), static_cast<float>(shift_x), static_cast<float>(shift_y)};
 }
 

@@ -15,6 +15,7 @@
 #include "cli/session/picture_files.h"
 #include "lab/metrics/metrics.h"
 #include "scenes/base/files.h"
+#include "scenes/base/json_text.h"
 
 namespace sideray::cli {
 namespace {
@@ -162,14 +163,14 @@ lab::FrameCost Calibration::measure(const RenderOptions& options, lab::FrameSize
 
 lab::Probe Calibration::probe(const RenderOptions& options) {
   const json name = key("probe", options);
-  if (const auto known = probes_.find(name.dump()); known != probes_.end()) return known->second;
+  if (const auto known = probes_.find(scenes::json_text(name)); known != probes_.end()) return known->second;
   std::optional<lab::Probe> probe;
   if (const std::optional<json> kept = cache_.find(name)) probe = lab::parse_probe(*kept);
   if (!probe) {
     probe = draw_probe(options);
     cache_.keep(name, lab::to_json(*probe));
   }
-  return probes_[name.dump()] = *probe;
+  return probes_[scenes::json_text(name)] = *probe;
 }
 
 double Calibration::drawn_ms(const RenderOptions& options, double foretold_ms) {

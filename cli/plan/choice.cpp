@@ -7,6 +7,7 @@
 #include "cli/base/progress.h"
 #include "cli/plan/sweep_scene.h"
 #include "cli/session/used_config.h"
+#include "scenes/base/json_text.h"
 
 namespace sideray::cli {
 namespace {
@@ -42,7 +43,7 @@ std::vector<Considered> distinct_candidates(Session& session, const RenderOption
        lab::candidate_configurations(sweep_scene(session, options), options.given)) {
     std::optional<RenderOptions> candidate = resolved(options, c.configuration);
     if (!candidate) continue;
-    const std::string used = used_config(*candidate, session.plan(*candidate).run).dump();
+    const std::string used = scenes::json_text(used_config(*candidate, session.plan(*candidate).run));
     if (!known.insert(used).second) continue;
     const std::string kind = fmt::format("{} {}", static_cast<int>(candidate->translucency()),
                                          sideray_options_get(candidate->named.get(), "shadows"));
@@ -63,7 +64,7 @@ std::string bounds_text(const lab::CostBounds& bounds) {
 
 [[noreturn]] void fail_to_hold(const Choice& choice, const lab::CostBounds& bounds) {
   throw Error(SIDERAY_UNSUPPORTED,
-              fmt::format("{}: none of {} configurations holds it; the nearest is {}: raise the bound, or leave more "
+              fmt::format("{}: none of {} configurations holds it, the nearest is {}; raise the bound, or leave more "
                           "options open",
                           bounds_text(bounds), choice.considered.size(), describe(choice, choice.chosen())));
 }

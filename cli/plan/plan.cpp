@@ -4,6 +4,7 @@
 
 #include "cli/base/failure.h"
 #include "cli/plan/plan_report.h"
+#include "scenes/base/json_text.h"
 
 namespace sideray::cli {
 namespace {
@@ -73,7 +74,7 @@ int plan(const std::string& scene, const Given& given) {
     predicted = predict(calibration->probe(options), options, *sideray_plan_most_work(planned.plan.get()));
   const PlanReport report{options, planned, predicted, choice};
   if (given.contains("json"))
-    fmt::print("{}\n", plan_json(report).dump(2));
+    fmt::print("{}\n", scenes::json_text(plan_json(report), 2));
   else
     print_plan(report);
   return exit_ok;

@@ -5,6 +5,7 @@
 #include "cli/base/failure.h"
 #include "cli/base/outputs.h"
 #include "scenes/base/files.h"
+#include "scenes/base/json_text.h"
 
 namespace sideray::cli {
 namespace {
@@ -31,7 +32,7 @@ Json agreed(const RunRecord& run) {
 }
 
 std::string value_at(const Json& json, const Json::json_pointer& at) {
-  return json.contains(at) ? json[at].dump() : "absent";
+  return json.contains(at) ? scenes::json_text(json[at]) : "absent";
 }
 
 // Describes the first difference of two runs, as "shards is 4 there and 3 here"; "" where there is none.
@@ -72,7 +73,7 @@ RunRecord read_run(const std::string& folder) {
 
 void join_run(const RunRecord& run) {
   make_folder(shards_folder(run.folder));
-  if (write_text_once(record_path(run.folder), to_json(run).dump(1) + "\n")) return;
+  if (write_text_once(record_path(run.folder), scenes::json_text(to_json(run), 1) + "\n")) return;
   const std::string other = difference(agreed(read_run(run.folder)), agreed(run));
   if (!other.empty())
     wrong_usage("--shard auto: {} holds another run: {}; give what that run has, or another folder", run.folder, other);

@@ -7,6 +7,7 @@
 #include "cli/base/program.h"
 #include "cli/record/task_note.h"
 #include "scenes/base/files.h"
+#include "scenes/base/json_text.h"
 
 namespace sideray::cli {
 namespace {
@@ -35,7 +36,7 @@ void write_sidecar(const std::string& picture, const Json& options, Shard shard,
                   {"config", stats.at("config")},
                   {"device", stats.at("device")}};
   if (keeps_stats) sidecar["stats"] = stats;
-  write_text(sidecar_path(picture), sidecar.dump(1) + "\n");
+  write_text(sidecar_path(picture), scenes::json_text(sidecar, 1) + "\n");
 }
 
 std::optional<Json> read_sidecar(const std::string& picture, const Json& options) {

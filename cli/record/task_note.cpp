@@ -18,6 +18,7 @@
 #include "cli/base/outputs.h"
 #include "cli/base/program.h"
 #include "scenes/base/files.h"
+#include "scenes/base/json_text.h"
 
 namespace sideray::cli {
 namespace {
@@ -89,9 +90,9 @@ int run_task(const RunRecord& run, Shard shard, const std::function<int()>& work
     note["state"] = state;
     note["ended"] = now();
     if (!error.empty()) note["error"] = error;
-    write_text(path, note.dump(1) + "\n");
+    write_text(path, scenes::json_text(note, 1) + "\n");
   };
-  write_text(path, note.dump(1) + "\n");
+  write_text(path, scenes::json_text(note, 1) + "\n");
   try {
     const int code = [&] {
       const SignsOfLife signs(path);

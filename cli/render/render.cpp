@@ -13,6 +13,7 @@
 #include "cli/session/picture_files.h"
 #include "cli/session/session.h"
 #include "cli/session/truth_file.h"
+#include "scenes/base/json_text.h"
 
 namespace sideray::cli {
 namespace {
@@ -56,7 +57,7 @@ void draw(const RenderOptions& asked, const RunJob* job) {
   }
   const nlohmann::ordered_json stats = stats_json(options, drawn.run);
   if (job) write_sidecar(options.output, job->options, job->shard, stats, false);
-  if (!options.stats.empty()) write_text(options.stats, stats.dump(2) + "\n");
+  if (!options.stats.empty()) write_text(options.stats, scenes::json_text(stats, 2) + "\n");
 }
 
 // Returns the options chosen for the sequence's first frame, for all frames.

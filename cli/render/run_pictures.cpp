@@ -8,6 +8,7 @@
 #include "cli/base/program.h"
 #include "cli/record/sidecar.h"
 #include "scenes/base/files.h"
+#include "scenes/base/json_text.h"
 
 namespace sideray::cli {
 namespace {
@@ -135,7 +136,7 @@ void gather_stats(const RunRecord& run) {
     if (!picture.frame || !picture.job.contains("stats")) continue;
     Json line = {{"frame", *picture.frame}};
     line.update(read_sidecar(picture.path, picture_options(picture.job, picture.frame)).value().at("stats"));
-    texts[in_folder(picture.job["stats"].get<std::string>(), run.folder)] += line.dump() + "\n";
+    texts[in_folder(picture.job["stats"].get<std::string>(), run.folder)] += scenes::json_text(line) + "\n";
   }
   for (const auto& [path, text] : texts) {
     write_text(path, text);

@@ -7,6 +7,7 @@
 
 #include "cli/base/outputs.h"
 #include "scenes/base/files.h"
+#include "scenes/base/json_text.h"
 
 namespace sideray::cli {
 namespace {
@@ -41,7 +42,7 @@ void SequenceStats::restore(const std::function<bool(uint32_t)>& is_there) {
 void SequenceStats::add(uint32_t frame, Json stats) {
   Json line = {{"frame", frame}};
   line.update(stats);
-  lines_[frame] = line.dump();
+  lines_[frame] = scenes::json_text(line);
   if (std::chrono::steady_clock::now() - saved_ >= between_saves) save();
 }
 

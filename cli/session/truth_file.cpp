@@ -6,6 +6,7 @@
 
 #include "cli/base/outputs.h"
 #include "cli/session/scene_objects.h"
+#include "scenes/base/json_text.h"
 
 namespace sideray::cli {
 namespace {
@@ -67,8 +68,9 @@ TruthJson annotation_json(const SceneObject& node, const sideray_object_truth& t
 std::string truth_text(const TruthJson& image, const std::vector<TruthJson>& annotations) {
   const TruthJson categories = {{{"id", opaque_category}, {"name", "opaque"}},
                                   {{"id", translucent_category}, {"name", "translucent"}}};
-  std::string text = "{\"images\": [" + image.dump() + "],\n\"categories\": " + categories.dump() + ",\n\"annotations\": [";
-  for (size_t i = 0; i < annotations.size(); ++i) text += (i == 0 ? "\n" : ",\n") + annotations[i].dump();
+  std::string text = "{\"images\": [" + scenes::json_text(image) + "],\n\"categories\": " +
+                     scenes::json_text(categories) + ",\n\"annotations\": [";
+  for (size_t i = 0; i < annotations.size(); ++i) text += (i == 0 ? "\n" : ",\n") + scenes::json_text(annotations[i]);
   return text + "\n]}\n";
 }
 

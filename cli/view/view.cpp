@@ -49,7 +49,7 @@ int view(const std::string& scene, const Given& given) {
   check_given(view_table(), given);
   const std::string program = window_program().string();
   if (::access(program.c_str(), X_OK) != 0)
-    wrong_usage("view: the window was not built: install libglfw3-dev and libimgui-dev and build again, or the package "
+    wrong_usage("view: the window was not built; install libglfw3-dev and libimgui-dev and build again, or the package "
                 "sideray-view");
   if (scene.empty()) wrong_usage("view: no scene; give a .gltf or .glb file or a built-in name (sideray make --list)");
   check_as_render(scene, given);

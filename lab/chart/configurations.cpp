@@ -21,6 +21,8 @@ Configuration parse_entry(const nlohmann::json& entry, const std::string& name) 
       configuration[option] = value.dump();
     else
       refuse("{}: {} is neither text, number, true nor false; correct it", name, option);
+    // The operating system would cut a path there.
+    if (configuration[option].find('\0') != std::string::npos) refuse("{}: {} holds a NUL; remove it", name, option);
   }
   return configuration;
 }

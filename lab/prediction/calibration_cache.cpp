@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "scenes/base/files.h"
+#include "scenes/base/json_text.h"
 
 namespace sideray::lab {
 namespace {
@@ -31,7 +32,8 @@ std::string variable(const char* name) {
 }  // namespace
 
 std::string CalibrationCache::path(const json& key, const char* extension) const {
-  return (fs::path(folder_) / fmt::format("{:016x}{}", scenes::hash_of(bytes_of(key.dump())), extension)).string();
+  const uint64_t hash = scenes::hash_of(bytes_of(scenes::json_text(key)));
+  return (fs::path(folder_) / fmt::format("{:016x}{}", hash, extension)).string();
 }
 
 std::optional<json> CalibrationCache::find(const json& key) const {
@@ -53,7 +55,7 @@ void CalibrationCache::keep(const json& key, const json& value) const {
     fs::create_directories(folder_);
     make_room();
     const json entry = {{"schema", schema}, {"key", key}, {"value", value}};
-    scenes::write_file(path(key, ".json"), bytes_of(entry.dump(1) + "\n"));
+    scenes::write_file(path(key, ".json"), bytes_of(scenes::json_text(entry, 1) + "\n"));
   } catch (const std::exception&) {
     return;  // it is measured again next time
   }

@@ -1,5 +1,10 @@
 #include <pybind11/pybind11.h>
 
+#include <exception>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "cli/base/failure.h"
 #include "python/native/native.h"
 
@@ -15,13 +20,20 @@ void set_python_error(const py::object& raised) {
   PyErr_SetObject(py::type::of(raised).ptr(), raised.ptr());
 }
 
+// A message may name a file whose name is not UTF-8: it is decoded as Python decodes such names.
+py::str text_of(const std::exception& error) {
+  const std::string_view message = error.what();
+  return py::reinterpret_steal<py::str>(
+      PyUnicode_DecodeUTF8(message.data(), static_cast<Py_ssize_t>(message.size()), "surrogateescape"));
+}
+
 void translate(std::exception_ptr thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);
   } catch (const Error& error) {
-    set_python_error(errors().attr("of_status")(static_cast<int>(error.status), error.what()));
+    set_python_error(errors().attr("of_status")(static_cast<int>(error.status), text_of(error)));
   } catch (const cli::UsageError& error) {
-    set_python_error(errors().attr("of_usage")(error.what()));
+    set_python_error(errors().attr("of_usage")(text_of(error)));
   }
 }
 

@@ -85,7 +85,7 @@ def material_fields(fields: Mapping[str, Any]) -> Dict[str, Any]:
 def lat_long(path: str) -> Array:
     if not os.path.exists(path):
         raise SceneNotFound(f"env: there is no file {path}; give \"sky\", \"none\", or a lat-long .exr or .hdr")
-    planes, _ = _native.read_image(path)
+    planes, _ = _native.read_image(os.fsencode(path))
     if not all(c in planes for c in "RGB"):
         raise InvalidArgument(f"{path}: has no channels R, G, B; use a lat-long colour image")
     return np.stack([planes[c] for c in "RGB"], -1)

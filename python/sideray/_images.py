@@ -38,7 +38,7 @@ def read_image(path: Union[str, "os.PathLike[str]"]) -> Dict[str, Array]:
 
 def save_png(path: Union[str, "os.PathLike[str]"], rgb: Array) -> None:
     """Writes (height, width, 3) uint8 as a PNG, whole or not at all."""
-    _native.write_png(os.fspath(path), np.ascontiguousarray(rgb))
+    _native.write_png(os.fsencode(path), np.ascontiguousarray(rgb))
 
 
 def compare(test: ImageLike, reference: ImageLike, *, exposure: float = 0.0, tonemap: str = "pbr-neutral") -> Comparison:
@@ -54,10 +54,10 @@ def compare(test: ImageLike, reference: ImageLike, *, exposure: float = 0.0, ton
 
 
 def _read(path: Union[str, "os.PathLike[str]"]) -> Any:
-    name = os.fspath(path)
+    name = os.fsdecode(path)
     if not os.path.exists(name):
         raise SceneNotFound(f"cannot read {name}: there is no such file; give a .png, .exr or .hdr")
-    return _native.read_image(name)
+    return _native.read_image(os.fsencode(name))
 
 
 def _rgb(image: ImageLike, what: str) -> Any:

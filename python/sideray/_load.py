@@ -25,7 +25,7 @@ def load(path: Union[str, "os.PathLike[str]"], *, animation: str = "", variant: 
     else 20 and 2.
     """
     name = os.fsdecode(path)
-    if not _native.is_builtin(name) and not os.path.exists(name):
+    if not _native.is_builtin(os.fsencode(name)) and not os.path.exists(name):
         known = [row["name"] for row in _native.builtin_table()]
         near = difflib.get_close_matches(name, known, 1)
         hint = f"did you mean the built-in scene {near[0]}?" if near else f"built-in scenes are {', '.join(known)}"
@@ -33,7 +33,7 @@ def load(path: Union[str, "os.PathLike[str]"], *, animation: str = "", variant: 
     for key, limit in (("max_seconds", max_seconds), ("max_gb", max_gb)):
         if not 0.0 <= limit <= 1e6:
             raise InvalidArgument(f"{key}: {limit} is not a number from 0 to 10^6; leave it out for the default")
-    content = _native.Content(name, animation, variant, time, default_light, max_seconds, max_gb)
+    content = _native.Content(os.fsencode(name), animation, variant, time, default_light, max_seconds, max_gb)
     scene = Scene(env=env, env_scale=env_scale, env_rotate=env_rotate, default_light=default_light)
     scene._time = time
     scene._scene.set_time(time, time)

@@ -137,9 +137,9 @@ class Picture:
         name = os.fsdecode(path)
         kind = os.path.splitext(name)[1].lower()
         if kind == ".exr":
-            _native.write_exr(name, self._planes)
+            _native.write_exr(os.fsencode(name), self._planes)
         elif kind == ".png":
-            _native.write_png(name, self.display(exposure=exposure, tonemap=tonemap))
+            _native.write_png(os.fsencode(name), self.display(exposure=exposure, tonemap=tonemap))
         else:
             raise InvalidArgument(f"{name}: pictures are written as .png or .exr; give one of them, or write Picture.rgb yourself")
 

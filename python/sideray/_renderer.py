@@ -148,6 +148,8 @@ class Renderer:
         global _has_used_gl
         if _is_child_of_gl and gl != "none":
             _refuse_fork()
+        if not 0 <= threads <= 1024:
+            raise InvalidArgument(f"threads: {threads} is out of range; give 1 to 1024, or 0 for all")
         self._renderer = _native.Renderer(gl, device, threads, isa)
         self._process, self._uses_gl = os.getpid(), self._renderer.device()["gl"] != "none"
         _has_used_gl = _has_used_gl or self._uses_gl
@@ -178,6 +180,8 @@ class Renderer:
         which quality ("draft", "balanced" or "best") chooses for many.
         """
         self._check(scene)
+        if not 0 <= repeat <= 10000:
+            raise InvalidArgument(f"repeat: {repeat} is out of range; give 0 to 10000")
         width, height = _sides(size)
         chosen = _options((width, height), dict(options))
         if time is not None:
@@ -243,6 +247,8 @@ class Renderer:
 
         Arguments as for render. A camera of the file moves as its animation says.
         """
+        if not fps > 0.0:
+            raise InvalidArgument(f"fps: {fps} is not above 0; give for example 30")
         before: Optional[int] = None
         for frame in frames:
             follows = before is not None and frame == before + 1

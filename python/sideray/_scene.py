@@ -258,6 +258,9 @@ class Scene:
     def set_time(self, time: float, previous: Optional[float] = None) -> None:
         """Moves what the file's animation moves. previous: seconds of the picture before, for motion vectors."""
         before = time if previous is None else previous
+        for moment in (time, before):
+            if not abs(moment) <= 1e9:
+                raise InvalidArgument(f"time {moment}: give seconds from -1e9 to 1e9")
         if self._content is None:
             self._scene.set_time(time, before)
         elif (time, before) != (self._time, self._time):

@@ -19,7 +19,10 @@ Content generate_named(const std::string& scene) {
       throw UnknownScene(SIDERAY_INVALID_ARGUMENT,
                          fmt::format("scene {}: \"{}\" is not K=V; write for example {}?{}", printable(scene),
                                      printable(setting), scene.substr(0, mark), "count=8&seed=2"));
-    settings[setting.substr(0, equals)] = setting.substr(equals + 1);
+    const std::string key = setting.substr(0, equals);
+    if (!settings.emplace(key, setting.substr(equals + 1)).second)
+      throw UnknownScene(SIDERAY_INVALID_ARGUMENT,
+                         fmt::format("scene {}: {} is given twice; remove one", printable(scene), printable(key)));
     at = end;
   }
   try {

@@ -1,4 +1,7 @@
 // Tests references in a folder: recording, checking and approving them, as in CI.
+#include <fcntl.h>
+#include <sys/file.h>
+
 #include <algorithm>
 #include <map>
 
@@ -223,6 +226,18 @@ TEST_F(Golden, WhatCannotBeHeldStillIsRefused) {
   expect_refused("golden record nosuch", failed, "nosuch/jobs.json");
   expect_refused("golden record d --stats s.json", wrong_usage, "--stats");
   expect_refused("golden", wrong_usage, "subcommand");
+}
+
+TEST_F(Golden, WhatAKilledProgramLeftIsRemovedAndWhatARunningOneHasIsNot) {
+  for (const char* name : {"references.tmp-a1B2c3", "references.tmp-d4E5f6", "check.tmp-a1B2c3", "mine.tmp-a1B2c3"})
+    write("d/" + std::string(name) + "/half.png", "half");
+  const int running = ::open(path("d/references.tmp-d4E5f6").c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  ASSERT_EQ(::flock(running, LOCK_EX | LOCK_NB), 0);
+  record();
+  ::close(running);
+  EXPECT_FALSE(fs::exists(path("d/references.tmp-a1B2c3")));
+  for (const char* name : {"references.tmp-d4E5f6", "check.tmp-a1B2c3", "mine.tmp-a1B2c3"})
+    EXPECT_TRUE(fs::exists(path("d/" + std::string(name)) + "/half.png")) << name;
 }
 
 TEST_F(Golden, WhatIsDamagedIsNamedAndStaysAsItIs) {

@@ -71,7 +71,7 @@ class Program : public testing::Test {
     return names;
   }
 
-  // Expects one line "sideray: ...: ..." on standard error, nothing on standard output, and no file.
+  // Expects one line "sideray: what: why; what to do" on standard error, nothing on standard output, and no file.
   void expect_refused(const std::string& arguments, int exit_code, const std::string& says,
                       const std::string& environment = "") const {
     SCOPED_TRACE("sideray " + arguments);
@@ -81,6 +81,7 @@ class Program : public testing::Test {
     EXPECT_EQ(outcome.output, "");
     EXPECT_EQ(outcome.error_lines(), 1u) << outcome.errors;
     EXPECT_TRUE(outcome.errors.starts_with("sideray: ")) << outcome.errors;
+    EXPECT_NE(outcome.errors.find("; "), std::string::npos) << outcome.errors;
     EXPECT_NE(outcome.errors.find(says), std::string::npos) << outcome.errors;
     EXPECT_EQ(files(), before);
   }

@@ -127,6 +127,7 @@ TEST_F(Usage, WrongUsageIsExitCodeTwo) {
   expect_refused("make panes -o x.glb --set count", usage, "K=V");
   expect_refused("make panes -o x.glb --set colour=3", usage, "count");
   expect_refused("make panes -o x.glb --set count=many", usage, "many");
+  expect_refused("make panes -o x.glb --set count=2 --set count=3", usage, "count is given twice");
 }
 
 TEST_F(Usage, MistypedNamesAreAnsweredWithTheNearest) {
@@ -269,7 +270,13 @@ TEST_F(Usage, BadInputIsOneLine) {
   expect_refused("render panes -o x.png --env tiny.hdr", failed, "cannot use tiny.hdr: environment of 1x1 pixels; ");
   expect_refused("make panes -o nosuch/x.glb", failed, "nosuch/x.glb");
   fs::create_directory(path("folder.png"));
-  expect_refused("render panes -o folder.png", failed, "folder");
+  expect_refused("render panes -o folder.png", failed, "it is a folder; choose another name");
+  expect_refused("render panes -o " + std::string(252, 'x') + ".png", failed, "choose a shorter name");
+}
+
+TEST_F(Usage, AFileBeyondTheShellsLimitIsOneLine) {
+  const std::string blocks = "ulimit -f 8 &&";  // of 512 bytes
+  expect_refused("make panes -o x.glb", failed, "File too large; free some space", blocks);
 }
 
 TEST_F(Usage, BrokenSceneFilesAreOneLine) {
@@ -309,6 +316,10 @@ TEST_F(Usage, JobsFilesAreChecked) {
   expect_refused("render --jobs jobs.json", usage, "jobs.json: is not JSON");
   std::ofstream(path("jobs.json")) << R"([{"scene": "panes", "o": "a.png", "o": "b.png"}])";
   expect_refused("render --jobs jobs.json", usage, "jobs.json: \"o\" is given twice");
+  std::ofstream(path("jobs.json")) << R"([{"scene": "panes", "o": "a.png", "exposure": 1e400}])";
+  expect_refused("render --jobs jobs.json", usage, "jobs.json: holds a number that no double holds");
+  std::ofstream(path("jobs.json")) << R"([{"scene": "panes", "o": "a\u0000b.png"}])";
+  expect_refused("render --jobs jobs.json", usage, "jobs.json job 0: o holds a NUL");
   std::ofstream(path("jobs.json")) << R"([{"scene": "panes", "o": "a.png"}, {"scene": "panes", "o": "./a.png"}])";
   expect_refused("render --jobs jobs.json", usage, "jobs.json job 1: writes ./a.png as job 0 does");
   std::ofstream(path("jobs.json")) << R"([{"scene": "nosuch.glb", "o": "a.png"}])";
@@ -328,6 +339,15 @@ TEST_F(Usage, AFullStandardOutputFails) {
   const Outcome plan = run("plan panes --size 16x16 --json >/dev/full 2>stderr.txt #");
   EXPECT_EQ(plan.exit_code, failed);
   EXPECT_NE(plan.errors.find("sideray: standard output: "), std::string::npos) << plan.errors;
+}
+
+TEST_F(Usage, NamesThatAreNotUtf8AreReplacedInJson) {
+  ASSERT_EQ(run("make panes -o '\xff.glb'").exit_code, 0);
+  const std::string scene = "'\xff.glb' --size 8x8 --gl none";
+  for (const char* command : {"plan --json ", "bench --repeat 1 --json - "})
+    EXPECT_TRUE(nlohmann::json::accept(run(command + scene).output)) << command;
+  const Outcome drawn = run("render " + scene + " --frames 0-1 --shard 0/1 -o '\xff.##.png' --stats '\xff.json'");
+  EXPECT_EQ(drawn.exit_code, 0) << drawn.errors;
 }
 
 TEST_F(Usage, NoDeviceIsOneLine) {

@@ -2,6 +2,7 @@
 
 import base64
 import json
+import math
 import os
 import struct
 import subprocess
@@ -112,6 +113,37 @@ def test_files_that_are_not_there_or_broken(tmp_path):
         sideray.load(broken)
     with pytest.raises(sideray.Error, match="no animation walk"):
         sideray.load("panes", animation="walk")
+
+
+def test_names_of_files_need_not_be_utf_8(renderer, tmp_path, square):
+    folder = os.fsencode(tmp_path)
+    scene = glowing_square(tmp_path / os.fsdecode(b"scene\xff.gltf"), animated=False)
+    assert sideray.load(os.fspath(scene)).variants == ["on"]
+    picture = renderer.render(square, (8, 6))
+    for name in (b"a\xff.png", b"a\xff.exr"):
+        picture.save(folder + b"/" + name)
+        assert sideray.read_image(os.fsdecode(folder + b"/" + name))["R"].shape == (6, 8)
+    sideray.save_png(os.fsdecode(folder + b"/b\xff.png"), picture.display())
+    square.set_environment(os.fsdecode(folder + b"/a\xff.exr"))
+    (tmp_path / os.fsdecode(b"broken\xff.glb")).write_bytes(b"glTF")
+    with pytest.raises(sideray.InvalidArgument, match="broken\udcff.glb: the file ends inside its header"):
+        sideray.load(folder + b"/broken\xff.glb")
+
+
+def test_moments_and_counts_are_checked_before_anything_changes(renderer, square):
+    for scene in (square, sideray.load("panes")):
+        for wrong in (math.nan, math.inf, -2e9):
+            with pytest.raises(sideray.InvalidArgument, match="give seconds"):
+                scene.set_time(wrong)
+        assert scene.time == 0
+    for fps in (0, -1, math.nan):
+        with pytest.raises(sideray.InvalidArgument, match="fps"):
+            next(renderer.frames(square, [0], (8, 6), fps=fps))
+    with pytest.raises(sideray.InvalidArgument, match="repeat: -1"):
+        renderer.render(square, (8, 6), repeat=-1)
+    for threads in (-1, 5000):
+        with pytest.raises(sideray.InvalidArgument, match="threads"):
+            sideray.Renderer(gl="none", threads=threads)
 
 
 def glowing_square(path, *, animated):

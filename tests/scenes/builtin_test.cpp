@@ -235,6 +235,7 @@ TEST(Builtin, ParametersMayFollowTheName) {
   ASSERT_EQ(loaded.objects.size(), made.objects.size());
   for (size_t i = 0; i < made.meshes.size(); ++i) EXPECT_EQ(loaded.meshes[i].positions, made.meshes[i].positions);
   EXPECT_THAT(message_of([] { load("panes?count"); }), HasSubstr("\"count\" is not K=V"));
+  EXPECT_THAT(message_of([] { load("panes?count=2&count=3"); }), HasSubstr("count is given twice; remove one"));
   EXPECT_THAT(message_of([] { load("panes?width=2"); }), AllOf(HasSubstr("no parameter width"), HasSubstr("gap")));
   EXPECT_THAT(message_of([] { load("nonsense?count=2"); }), HasSubstr("no scene nonsense?count=2"));
 }
