@@ -208,7 +208,7 @@ void Tracer::trace_layered_depth(const LayeredDepthRequest& request) {
 
 void Tracer::trace_rays(sideray_ray_set set, std::span<const sideray_ray> rays, uint32_t layers, sideray_hit* hits) {
   TracedScene& scene = state_->scene;
-  trace_ray_batch(*scene.shading().snapshot, scene.intersector(), scene.executor(), set, rays, layers, hits);
+  trace_ray_batch(*scene.shading().snapshot, scene.intersector(), scene.executor(), {set, rays, layers, hits});
 }
 
 RawFrame Tracer::time_raw_frame(const RawFrameRequest& request) {

@@ -25,11 +25,10 @@ void FilteredSurfaces::begin(uint32_t width, uint32_t height, size_t chunks, boo
   shown_.radiance.resize(size_t{4} * most * width * height);
 }
 
-void FilteredSurfaces::add(size_t chunk, uint32_t pixel, uint32_t surface, uint32_t surface_id, const SurfacePoint& point,
-                           glm::vec3 radiance, const RoughReflection& rough) {
-  const uint32_t texel = surface * shown_.width * shown_.height + pixel;
-  store_rgba(&shown_.radiance[size_t{4} * texel], radiance, 1.0f);
-  filter_.chunk(chunk).add(pixel, texel, surface_id, point, radiance, rough);
+void FilteredSurfaces::add(size_t chunk, const Rough& rough) {
+  const uint32_t texel = rough.number * shown_.width * shown_.height + rough.pixel;
+  store_rgba(&shown_.radiance[size_t{4} * texel], rough.radiance, 1.0f);
+  filter_.chunk(chunk).add(rough.pixel, texel, rough.surface_id, rough.point, rough.radiance, rough.reflection);
 }
 
 void FilteredSurfaces::finish(Executor& executor, CompositeImage& image) {
@@ -90,8 +89,8 @@ void FilteredSink::add_rough(uint32_t pixel, uint32_t layer, const SurfacePoint&
     p.layers[p.rough++] = layer;
     p.radiance -= radiance * p.weights[layer];
   }
-  surfaces_.add(chunk_, texel_of(requests_[pixel]), surface, snapshot_.instances[point.hit.instance].surface_id, point,
-                radiance, rough);
+  const uint32_t surface_id = snapshot_.instances[point.hit.instance].surface_id;
+  surfaces_.add(chunk_, {texel_of(requests_[pixel]), surface, surface_id, point, radiance, rough});
 }
 
 bool FilteredSink::finished(uint32_t pixel) const {

@@ -26,12 +26,18 @@ class FilteredSurfaces {
     std::array<glm::vec3, most> weights;
   };
 
+  // A rough surface of a pixel, which has this number among its rough surfaces, and the radiance from one direction.
+  struct Rough {
+    uint32_t pixel, number, surface_id;
+    const SurfacePoint& point;
+    glm::vec3 radiance;
+    const RoughReflection& reflection;
+  };
+
   // Resets for a frame. `filters` false: nothing is filtered.
   void begin(uint32_t width, uint32_t height, size_t chunks, bool filters);
   bool filters() const { return !waiting_.empty(); }
-  // Adds the radiance from one direction of a pixel's rough surface with this number.
-  void add(size_t chunk, uint32_t pixel, uint32_t surface, uint32_t surface_id, const SurfacePoint& point,
-           glm::vec3 radiance, const RoughReflection& rough);
+  void add(size_t chunk, const Rough& rough);
   void wait(size_t chunk, const Pixel& pixel) { waiting_[chunk].push_back(pixel); }
   // Filters, and stores the waiting pixels.
   void finish(Executor& executor, CompositeImage& image);

@@ -74,7 +74,8 @@ class SurfacePass {
     ViewTile& tile = w.tile;
     tile.aim(view_, request_.width, request_.height, index);
     w.hits.resize(tile.rays.size());
-    intersector_.nearest_opaque(tile.rays, true, w.hits.data(), OpaqueSet::all, view_.alpha_cone(), true);
+    const OpaqueSearch search{.set = OpaqueSet::all, .coherent = true, .cone = view_.alpha_cone(), .cull = true};
+    intersector_.nearest_opaque(tile.rays, search, w.hits.data());
     w.counters.rays_primary += tile.rays.size();
     if (request_.normals) store_normals(w);
     for (size_t i = 0; i < tile.pixels.size(); ++i) {

@@ -116,12 +116,22 @@ void occlusion_filter(const RTCFilterFunctionNArguments* arguments) {
   });
 }
 
+// Rays in either form.
+struct RaysOrColumns {
+  std::span<const Ray> rays;
+  const RayColumns* columns = nullptr;
+  size_t size() const { return columns ? columns->count : rays.size(); }
+};
+
 template <unsigned N>
-void trace_occlusion(const TraceTable& table, const TopLevel& top, uint32_t mask, bool cut_outs, bool coherent,
-                     std::span<const Ray> rays, const RayColumns* columns, size_t size, uint8_t* occluded) {
-  RayPacket<N> packet(mask);
+void trace_occlusion(const MaskedInstances& among, bool cut_outs, bool coherent, const RaysOrColumns& traced_rays,
+                     uint8_t* occluded) {
+  const auto [rays, columns] = traced_rays;
+  const size_t size = traced_rays.size();
+  const TopLevel& top = among.top;
+  RayPacket<N> packet(among.mask);
   OcclusionQuery query;
-  query.table = &table;
+  query.table = &among.table;
   query.columns = columns;
   query.cut_outs = cut_outs;
   query.begin = packet.begin.data();
@@ -138,7 +148,7 @@ void trace_occlusion(const TraceTable& table, const TopLevel& top, uint32_t mask
     for (uint32_t i = 0; i < count; ++i) {
       bool met = (traced >> i & 1u) && packet.t_far(i) < 0.0f;
       if (!met && (query.open >> i & 1u)) {
-        EdgeTracer<N> tracer(table, top, mask);
+        EdgeTracer<N> tracer(among);
         met = !tracer.trace(query.ray(i), query.offset[i], rules_of(1, false, {})).empty();
       }
       occluded[first + i] = met ? 1 : 0;
@@ -228,6 +238,9 @@ struct Intersector::State {
   bool cut_outs = false;
   uint64_t opaque_revision = 0;
 
+  MaskedInstances translucent(LayerSet set) const { return {table, layers, mask_of(set)}; }
+  MaskedInstances opaque(uint32_t mask) const { return {table, world, mask}; }
+
   // Drops both scenes, which may be half updated.
   void clear() {
     layers = {};
@@ -280,7 +293,7 @@ void Intersector::nearest_layers(LayerSet set, std::span<const Ray> rays, const 
     return;
   }
   with_width(state_->width, [&](auto n) {
-    trace_layers<n>(state_->table, state_->layers, mask_of(set), rules, search.coherent, rays, hits, counts);
+    trace_layers<n>(state_->translucent(set), rules, search.coherent, rays, {hits, counts});
   });
 }
 
@@ -295,7 +308,7 @@ void Intersector::nearest_places(LayerSet set, std::span<const Ray> rays, const 
   }
   const LayerRules rules{.layers = 1, .kept = most_at_place, .cull = search.cull, .cone = search.cone};
   with_width(state_->width, [&](auto n) {
-    trace_layers<n>(state_->table, state_->layers, mask_of(set), rules, search.coherent, rays, hits, counts, known);
+    trace_layers<n>(state_->translucent(set), rules, search.coherent, rays, {hits, counts}, known);
   });
 }
 
@@ -309,21 +322,20 @@ void Intersector::all_layers(LayerSet set, std::span<const Ray> rays, RaySurface
     return;
   }
   with_width(state_->width, [&](auto n) {
-    gather_layers<n>(state_->table, state_->layers, mask_of(set), rays, surfaces);
+    gather_layers<n>(state_->translucent(set), rays, surfaces);
   });
 }
 
-void Intersector::nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits, OpaqueSet set, const AlphaCone& cone,
-                                 bool cull) const {
-  const uint32_t mask = mask_of(set);
+void Intersector::nearest_opaque(std::span<const Ray> rays, const OpaqueSearch& search, Hit* hits) const {
+  const uint32_t mask = mask_of(search.set);
+  const LayerRules rules = rules_of(1, search.cull, search.cone);
   const FlushDenormals flush;
   constexpr size_t chunk = 256;
   std::array<uint32_t, chunk> counts;
   for (size_t first = 0; first < rays.size(); first += chunk) {
     const auto part = rays.subspan(first, std::min(chunk, rays.size() - first));
     with_width(state_->width, [&](auto n) {
-      trace_layers<n>(state_->table, state_->world, mask, rules_of(1, cull, cone), coherent, part, hits + first,
-                      counts.data());
+      trace_layers<n>(state_->opaque(mask), rules, search.coherent, part, {hits + first, counts.data()});
     });
     for (size_t i = 0; i < part.size(); ++i)
       if (counts[i] == 0) hits[first + i] = {INFINITY, 0.0f, 0.0f, no_instance, 0, false};
@@ -337,7 +349,7 @@ void Intersector::nearest_opaque_layers(std::span<const Ray> rays, const LayerSe
   if (Following* following = Following::now()) following->follow(rays, false);
   const LayerRules rules = rules_of(search.layers, search.cull, search.cone);
   with_width(state_->width, [&](auto n) {
-    trace_layers<n>(state_->table, state_->world, mask_opaque, rules, search.coherent, rays, hits, counts);
+    trace_layers<n>(state_->opaque(mask_opaque), rules, search.coherent, rays, {hits, counts});
   });
 }
 
@@ -345,8 +357,7 @@ void Intersector::occluded(std::span<const Ray> rays, bool coherent, uint8_t* oc
   const FlushDenormals flush;
   if (Following* following = Following::now()) following->follow(rays, false);
   with_width(occlusion_width(state_->width, coherent), [&](auto n) {
-    trace_occlusion<n>(state_->table, state_->world, mask_of(set), state_->cut_outs, coherent, rays, nullptr, rays.size(),
-                       occluded);
+    trace_occlusion<n>(state_->opaque(mask_of(set)), state_->cut_outs, coherent, {rays}, occluded);
   });
 }
 
@@ -354,8 +365,7 @@ void Intersector::occluded(const RayColumns& rays, bool coherent, uint8_t* occlu
   const FlushDenormals flush;
   if (Following* following = Following::now()) following->follow(rays);
   with_width(occlusion_width(state_->width, coherent), [&](auto n) {
-    trace_occlusion<n>(state_->table, state_->world, mask_of(set), state_->cut_outs, coherent, {}, &rays, rays.count,
-                       occluded);
+    trace_occlusion<n>(state_->opaque(mask_of(set)), state_->cut_outs, coherent, {{}, &rays}, occluded);
   });
 }
 

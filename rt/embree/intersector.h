@@ -23,6 +23,14 @@ enum class LayerSet { visible_in_layers, all_translucent, with_sprites, tints_li
 // Says which opaque instances a ray hits. walls: the ones visible in reflections that have no holes.
 enum class OpaqueSet { visible_in_reflection, casts_shadow, occludes_sky, walls, all };
 
+// Says which opaque surface of a ray is searched, and how.
+struct OpaqueSearch {
+  OpaqueSet set = OpaqueSet::visible_in_reflection;
+  bool coherent = false;  // the rays belong to neighbouring pixels, in 4x4 order
+  AlphaCone cone = {};    // of all rays, chooses the mip level of alpha
+  bool cull = false;      // the rasterizer's rule, as for primary rays (docs/adr/0043-back-faces.md)
+};
+
 // Says how layers of surfaces are searched.
 struct LayerSearch {
   uint32_t layers = 1;    // the most of a ray, up to 64
@@ -59,10 +67,8 @@ class Intersector {
   // nearest_layers(), with alpha at the finest mip level. At most the nearest 64 of a ray are returned.
   void all_layers(LayerSet set, std::span<const Ray> rays, RaySurfaces& surfaces) const;
   // Finds the nearest OPAQUE or MASK surface of the set in the total order: both sides, cut-outs tested at the cone's
-  // level. The instance is no_instance if there is none. cull = true obeys the rasterizer's cull rule, as for primary
-  // rays (docs/adr/0043-back-faces.md).
-  void nearest_opaque(std::span<const Ray> rays, bool coherent, Hit* hits,
-                      OpaqueSet set = OpaqueSet::visible_in_reflection, const AlphaCone& cone = {}, bool cull = false) const;
+  // level. The instance is no_instance if there is none.
+  void nearest_opaque(std::span<const Ray> rays, const OpaqueSearch& search, Hit* hits) const;
   // Finds the first OPAQUE or MASK surfaces of each ray, whatever their visibility flags, as nearest_layers() does.
   void nearest_opaque_layers(std::span<const Ray> rays, const LayerSearch& search, Hit* hits, uint32_t* counts) const;
   // Tests whether an OPAQUE or MASK surface of the set lies between t_near and t_far: occluded[i] = 0 or 1.

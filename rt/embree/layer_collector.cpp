@@ -102,7 +102,7 @@ SIDERAY_VECTORS void CandidateBlock::meet_planes() {
 }
 
 uint32_t resolve_candidates(const TraceTable& table, const LayerRules& rules, std::span<Lane> lanes, uint32_t pending,
-                            const Candidate* lists, uint32_t stride, CandidateBlock& block) {
+                            const CandidateLists& lists, CandidateBlock& block) {
   uint32_t wrong = 0;
   for (uint32_t bits = pending; bits != 0; bits &= bits - 1) {
     const auto i = static_cast<uint32_t>(std::countr_zero(bits));
@@ -110,18 +110,18 @@ uint32_t resolve_candidates(const TraceTable& table, const LayerRules& rules, st
   }
   for (uint32_t rank = 0; pending != 0; ++rank) {
     for (uint32_t bits = pending; bits != 0; bits &= bits - 1) {
-      const Candidate& candidate = lists[static_cast<uint32_t>(std::countr_zero(bits)) * stride + rank];
+      const Candidate& candidate = lists.of(static_cast<uint32_t>(std::countr_zero(bits)))[rank];
       CandidateBlock::fetch(table.instances[candidate.instance], candidate.primitive);
     }
     for (uint32_t bits = pending; bits != 0; bits &= bits - 1) {
       const auto i = static_cast<uint32_t>(std::countr_zero(bits));
-      const Candidate& candidate = lists[i * stride + rank];
+      const Candidate& candidate = lists.of(i)[rank];
       block.place(i, table.instances[candidate.instance], candidate.primitive);
     }
     block.meet_planes();
     for (uint32_t bits = pending; bits != 0; bits &= bits - 1) {
       const auto i = static_cast<uint32_t>(std::countr_zero(bits));
-      const Candidate* list = lists + i * stride;
+      const Candidate* list = lists.of(i);
       const double t = block.t[i] * static_cast<double>(lanes[i].distance_of_unit);
       resolve(table, rules, lanes[i], list[rank], {block.determinant[i], t, block.u[i], block.v[i]});
       if (rank + 1 < lanes[i].candidate_count && list[rank + 1].t <= lanes[i].limit) continue;

@@ -100,10 +100,17 @@ struct CandidateBlock {
   void meet_planes();
 };
 
-// Ends the first pass: recomputes the candidates of the lanes in `pending`, from lists of `stride` each. Returns the
-// bits of the lanes that the first pass narrowed too far; their rays must be traced again with the exact pass.
-// Candidates must have passed the alpha test. The block's origins and directions must be set.
+// The lists of a packet's lanes, one behind the other.
+struct CandidateLists {
+  const Candidate* first;
+  uint32_t stride;  // from one lane's list to the next
+  const Candidate* of(uint32_t lane) const { return first + lane * stride; }
+};
+
+// Ends the first pass: recomputes the candidates of the lanes in `pending`. Returns the bits of the lanes that the first
+// pass narrowed too far; their rays must be traced again with the exact pass. Candidates must have passed the alpha
+// test. The block's origins and directions must be set.
 uint32_t resolve_candidates(const TraceTable& table, const LayerRules& rules, std::span<Lane> lanes, uint32_t pending,
-                            const Candidate* lists, uint32_t stride, CandidateBlock& block);
+                            const CandidateLists& lists, CandidateBlock& block);
 
 }  // namespace sideray::rt

@@ -74,7 +74,7 @@ SIDERAY_VECTORS void NearestBlock::finish(const CandidateBlock& planes) {
 }
 
 uint32_t resolve_nearest(const TraceTable& table, const LayerRules& rules, std::span<const Ray> rays,
-                         NearestBlock& nearest, CandidateBlock& planes, Hit* hits, uint32_t* counts) {
+                         NearestBlock& nearest, CandidateBlock& planes, const PacketHits& found) {
   const uint32_t occupied = nearest.occupied();
   if (occupied == 0) return 0;
   for (uint32_t bits = occupied; bits != 0; bits &= bits - 1) {
@@ -98,13 +98,13 @@ uint32_t resolve_nearest(const TraceTable& table, const LayerRules& rules, std::
       again |= 1u << i;
       continue;
     }
-    hits[i * rules.kept] = {planes.t[i] * static_cast<double>(nearest.distance_of_unit[i]),
-               nearest.u[i],
-               nearest.v[i],
-               nearest.instance[i],
-               nearest.primitive[i],
-               front};
-    counts[i] = 1;
+    found.hits[i * rules.kept] = {planes.t[i] * static_cast<double>(nearest.distance_of_unit[i]),
+                                  nearest.u[i],
+                                  nearest.v[i],
+                                  nearest.instance[i],
+                                  nearest.primitive[i],
+                                  front};
+    found.counts[i] = 1;
   }
   return again;
 }

@@ -42,9 +42,15 @@ struct NearestBlock {
   void finish(const CandidateBlock& planes);
 };
 
-// Recomputes the candidates of lanes that have one: hits[i * rules.kept], counts[i]. Returns the bits of the lanes that
-// must be traced again with the exact pass. The origins and directions of `planes` must be set.
+// Where the hits of rays go: those of ray i from hits[i * rules.kept] on, counts[i] of them.
+struct PacketHits {
+  Hit* hits;
+  uint32_t* counts;
+};
+
+// Recomputes the candidates of lanes that have one. Returns the bits of the lanes that must be traced again with the
+// exact pass. The origins and directions of `planes` must be set.
 uint32_t resolve_nearest(const TraceTable& table, const LayerRules& rules, std::span<const Ray> rays,
-                         NearestBlock& nearest, CandidateBlock& planes, Hit* hits, uint32_t* counts);
+                         NearestBlock& nearest, CandidateBlock& planes, const PacketHits& found);
 
 }  // namespace sideray::rt

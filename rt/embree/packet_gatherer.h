@@ -35,7 +35,7 @@ void named_filter(const RTCFilterFunctionNArguments* arguments) {
 template <unsigned N>
 class EdgeTracer {
  public:
-  EdgeTracer(const TraceTable& table, const TopLevel& top, uint32_t mask) : table_(table), top_(top), packet_(mask) {}
+  explicit EdgeTracer(const MaskedInstances& among) : table_(among.table), top_(among.top), packet_(among.mask) {}
 
   // Returns the first rules.kept surfaces, valid until the next call. `offset`: as edge_offset() gives it.
   std::span<const Hit> trace(const Ray& ray, double offset, const LayerRules& rules) {
@@ -71,25 +71,26 @@ class EdgeTracer {
   std::array<Hit, most_packet_layers> kept_;
 };
 
-// Finds the nearest surfaces of rays, with the same result for all of Embree's kernels.
+// Finds the nearest surfaces of rays, with the same result for all of Embree's kernels. `known` is as in
+// PacketTracer::trace().
 template <unsigned N>
-void trace_layers(const TraceTable& table, const TopLevel& top, uint32_t mask, LayerRules rules, bool coherent,
-                  std::span<const Ray> rays, Hit* hits, uint32_t* counts, double* known = nullptr) {
-  PacketTracer<N> tracer(table, top, mask, rules, coherent);
+void trace_layers(const MaskedInstances& among, const LayerRules& rules, bool coherent, std::span<const Ray> rays,
+                  const PacketHits& found, double* known = nullptr) {
+  PacketTracer<N> tracer(among, rules, coherent);
   for (size_t first = 0; first < rays.size(); first += N)
-    tracer.trace(rays.subspan(first, std::min<size_t>(N, rays.size() - first)), hits + first * rules.kept,
-                 counts + first, known ? known + first : nullptr);
+    tracer.trace(rays.subspan(first, std::min<size_t>(N, rays.size() - first)), found.hits + first * rules.kept,
+                 found.counts + first, known ? known + first : nullptr);
   std::optional<EdgeTracer<N>> edges;
   for (size_t i = 0; i < rays.size(); ++i) {
-    Hit* const own = hits + i * rules.kept;
-    const double offset = edge_offset(table, rays[i], {own, counts[i]});
+    Hit* const own = found.hits + i * rules.kept;
+    uint32_t& count = found.counts[i];
+    const double offset = edge_offset(among.table, rays[i], {own, count});
     if (offset == 0.0) continue;
-    if (!edges) edges.emplace(table, top, mask);
+    if (!edges) edges.emplace(among);
     const std::span<const Hit> decided = edges->trace(rays[i], offset, rules);
     std::copy(decided.begin(), decided.end(), own);
-    counts[i] = static_cast<uint32_t>(decided.size());
-    if (known)
-      known[i] = counts[i] == rules.kept ? own[counts[i] - 1].distance : std::numeric_limits<double>::infinity();
+    count = static_cast<uint32_t>(decided.size());
+    if (known) known[i] = count == rules.kept ? own[count - 1].distance : std::numeric_limits<double>::infinity();
   }
 }
 
@@ -128,9 +129,9 @@ void gather_filter(const RTCFilterFunctionNArguments* arguments) {
 template <unsigned N>
 class PacketGatherer {
  public:
-  PacketGatherer(const TraceTable& table, const TopLevel& top, uint32_t mask)
-      : table_(table), top_(top), mask_(mask), packet_(mask) {
-    query_.table = &table;
+  explicit PacketGatherer(const MaskedInstances& among)
+      : among_(among), table_(among.table), packet_(among.mask) {
+    query_.table = &table_;
   }
 
   // Appends the surfaces, ray by ray.
@@ -138,8 +139,8 @@ class PacketGatherer {
     const auto count = static_cast<uint32_t>(rays.size());
     query_.rays = rays;
     query_.counts.fill(0);
-    if (packet_.set(rays, (1u << count) - 1u, top_, true) != 0)
-      packet_.occluded(top_.scene.get(), query_, false, gather_filter<N>);
+    if (packet_.set(rays, (1u << count) - 1u, among_.top, true) != 0)
+      packet_.occluded(among_.top.scene.get(), query_, false, gather_filter<N>);
     sort();
     for (uint32_t i = 0; i < count; ++i) {
       append(i, surfaces.hits);
@@ -154,7 +155,7 @@ class PacketGatherer {
     std::span<const Hit> found{lanes_[i].hits, lanes_[i].hit_count};
     const double offset = (near_edges_ >> i & 1u) ? edge_offset(table_, ray, found) : 0.0;
     if (offset != 0.0) {
-      if (!edges_) edges_.emplace(table_, top_, mask_);
+      if (!edges_) edges_.emplace(among_);
       found = edges_->trace(ray, offset, rules_of(most_packet_layers, false, {}));
     }
     hits.insert(hits.end(), found.begin(), found.end());
@@ -216,13 +217,12 @@ class PacketGatherer {
   void append_nearest(const Ray& ray, std::vector<Hit>& found) const {
     std::array<Hit, most_packet_layers> hits;
     uint32_t count = 0;
-    trace_layers<N>(table_, top_, mask_, rules_of(most_packet_layers, false, {}), false, {&ray, 1}, hits.data(), &count);
+    trace_layers<N>(among_, rules_of(most_packet_layers, false, {}), false, {&ray, 1}, {hits.data(), &count});
     found.insert(found.end(), hits.begin(), hits.begin() + count);
   }
 
+  MaskedInstances among_;
   const TraceTable& table_;
-  const TopLevel& top_;
-  uint32_t mask_;
   RayPacket<N> packet_;
   GatherQuery query_;
   CandidateBlock block_{};
@@ -235,9 +235,8 @@ class PacketGatherer {
 };
 
 template <unsigned N>
-void gather_layers(const TraceTable& table, const TopLevel& top, uint32_t mask, std::span<const Ray> rays,
-                   RaySurfaces& surfaces) {
-  PacketGatherer<N> gatherer(table, top, mask);
+void gather_layers(const MaskedInstances& among, std::span<const Ray> rays, RaySurfaces& surfaces) {
+  PacketGatherer<N> gatherer(among);
   for (size_t first = 0; first < rays.size(); first += N)
     gatherer.trace(rays.subspan(first, std::min<size_t>(N, rays.size() - first)), surfaces);
 }

@@ -29,6 +29,13 @@ inline LayerRules rules_of(uint32_t layers, bool cull, const AlphaCone& cone) {
   return {.layers = layers, .kept = layers, .cull = cull, .cone = cone};
 }
 
+// What packets are traced through: the instances of an acceleration structure that the mask selects.
+struct MaskedInstances {
+  const TraceTable& table;
+  const TopLevel& top;
+  uint32_t mask;
+};
+
 struct LayerQuery : embree::Query {
   const TraceTable* table = nullptr;
   LayerRules rules{};
@@ -37,6 +44,7 @@ struct LayerQuery : embree::Query {
 
   uint32_t stride() const { return rules.layers + Lane::spare; }
   Candidate* list(uint32_t lane) { return candidates.data() + lane * stride(); }
+  CandidateLists lists() const { return {candidates.data(), stride()}; }
 
   std::span<const Ray> rays;  // those of the packet
   Hit* hits = nullptr;
@@ -154,9 +162,9 @@ void exact_filter(const RTCFilterFunctionNArguments* arguments) {
 template <unsigned N>
 class PacketTracer {
  public:
-  PacketTracer(const TraceTable& table, const TopLevel& top, uint32_t mask, LayerRules rules, bool coherent)
-      : table_(table), top_(top), all_coherent_(coherent), packet_(mask) {
-    query_.table = &table;
+  PacketTracer(const MaskedInstances& among, LayerRules rules, bool coherent)
+      : table_(among.table), top_(among.top), all_coherent_(coherent), packet_(among.mask) {
+    query_.table = &table_;
     query_.rules = rules;
   }
 
@@ -201,7 +209,7 @@ class PacketTracer {
     query_.listed = 0;
     packet_.intersect(top_.scene.get(), query_, coherent_, nearest_filter<N>);
     packet_.copy_rays(block_);
-    uint32_t again = resolve_nearest(table_, query_.rules, query_.rays, query_.nearest, block_, query_.hits, counts);
+    uint32_t again = resolve_nearest(table_, query_.rules, query_.rays, query_.nearest, block_, {query_.hits, counts});
     if (query_.listed != 0) {
       again |= resolve_lists(query_.listed);
       take_counts(query_.listed, counts);
@@ -210,8 +218,7 @@ class PacketTracer {
   }
 
   uint32_t resolve_lists(uint32_t lanes) {
-    return resolve_candidates(table_, query_.rules, query_.lanes, lanes, query_.candidates.data(), query_.stride(),
-                              block_);
+    return resolve_candidates(table_, query_.rules, query_.lanes, lanes, query_.lists(), block_);
   }
 
   // Sets up the lanes whose bit is wanted and clears the others; returns false if no ray is left to trace.

@@ -77,21 +77,20 @@ SIDERAY_VECTORS void find(RowThen& row, uint32_t count, const PictureThen& then,
 
 }  // namespace
 
-void PixelTrail::begin(const TraceView& view, const DepthImage& depth, glm::uvec2 size, glm::dvec3 origin, bool follows,
-                       Executor& executor, uint64_t frame, std::span<const float> depths) {
-  if (frame != 0 && frame == frame_) return;
-  FrameCamera camera(view, size.x, size.y);
-  before_ = follows && size == glm::uvec2(width_, height_) ? camera_ : std::nullopt;
-  if (before_) before_->shift(origin_ - origin);
-  frame_ = frame;
+void PixelTrail::begin(const TrailFrame& frame, Executor& executor) {
+  if (frame.number != 0 && frame.number == frame_) return;
+  FrameCamera camera(frame.view, frame.size.x, frame.size.y);
+  before_ = frame.follows && frame.size == glm::uvec2(width_, height_) ? camera_ : std::nullopt;
+  if (before_) before_->shift(origin_ - frame.origin);
+  frame_ = frame.number;
   ++step_;
   number_ = before_ ? number_ + 1 : 1;
-  origin_ = origin;
+  origin_ = frame.origin;
   camera_ = camera;
-  width_ = size.x, height_ = size.y;
+  width_ = frame.size.x, height_ = frame.size.y;
   std::swap(depth_, depth_before_);
-  if (depths.empty()) fill_depths(executor, depth, *camera_, depth_);
-  else depth_.assign(depths.begin(), depths.end());
+  if (frame.depths.empty()) fill_depths(executor, frame.depth, *camera_, depth_);
+  else depth_.assign(frame.depths.begin(), frame.depths.end());
   same_view_ = before_ && camera_->sees_as(*before_);
   same_lines_ = before_ && camera_->shares_lines(*before_);
   if (same_view_) camera_ = before_;  // slow movement is compared with the place where it began, until it counts

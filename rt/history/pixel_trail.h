@@ -21,15 +21,22 @@ struct TrailTerms {
   glm::vec4 origin, origin_x, origin_y, ray, ray_x, ray_y;
 };
 
+struct TrailFrame {
+  const TraceView& view;
+  const DepthImage& depth;
+  glm::uvec2 size;
+  glm::dvec3 origin;                   // of the view's local space
+  bool follows;                        // the previous frame may be looked back to, if it has the same size
+  uint64_t number = 0;                 // or 0; histories that share the trail may each begin the frame of a number
+  std::span<const float> depths = {};  // what depths() will return, if it is known
+};
+
 class PixelTrail {
  public:
   static constexpr uint32_t nowhere = UINT32_MAX;
 
-  // Begins a frame of the sequence. `origin`: of the view's local space. `follows`: the previous frame may be looked
-  // back to, if it has the same size. `frame`: its number, or 0; histories that share the trail may each begin the
-  // frame. `depths`: what depths() will return, if it is known. Throws Failure if the view is invalid.
-  void begin(const TraceView& view, const DepthImage& depth, glm::uvec2 size, glm::dvec3 origin, bool follows,
-             Executor& executor, uint64_t frame = 0, std::span<const float> depths = {});
+  // Begins a frame of the sequence. Throws Failure if the view is invalid.
+  void begin(const TrailFrame& frame, Executor& executor);
   // Returns the number of frames begun; follows() tells whether the history of such a frame reaches this one.
   uint64_t step() const { return step_; }
   bool follows(uint64_t step) const { return before_ && step + 1 == step_; }

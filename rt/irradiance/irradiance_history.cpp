@@ -49,8 +49,8 @@ void IrradianceHistory::begin(const IrradianceRequest& r, TracedScene& scene) {
   const bool was_in_parts = std::exchange(in_parts_, is_bounded(r.work) && r.position_frames == 0);
   if (in_parts_) {
     shown_ = r.frame.trail ? r.frame.trail : &own_trail_;
-    shown_->begin(r.view, r.depth, {width_, height_}, origin_, r.sequence != SequenceStep::first, scene.executor(),
-                  r.frame.number);
+    shown_->begin({r.view, r.depth, {width_, height_}, origin_, r.sequence != SequenceStep::first, r.frame.number},
+                  scene.executor());
     carries_image_ = shown_->follows(std::exchange(step_, shown_->step())) && was_in_parts && follows_;
   } else {
     begin_cells(r, scene.executor());
@@ -72,7 +72,7 @@ void IrradianceHistory::begin_cells(const IrradianceRequest& r, Executor& execut
   if (!(cells_follow_ && r.position_frames > 1)) std::swap(before_, after_);
   after_.fit(width_, height_);
   const std::span<const float> depths = in_parts_ ? std::span<const float>(shown_->depths()) : std::span<const float>();
-  trail_.begin(r.view, r.depth, {width_, height_}, origin_, cells_follow_, executor, 0, depths);
+  trail_.begin({r.view, r.depth, {width_, height_}, origin_, cells_follow_, 0, depths}, executor);
 }
 
 void IrradianceHistory::traced(size_t tile) {

@@ -133,7 +133,7 @@ void IrradianceTracing::find_places(const Frame& f, Worker& w, uint32_t tile) {
 // than the drawn surface.
 void IrradianceTracing::meet_places(const Frame& f, Worker& w) {
   w.met.resize(w.rays.size());
-  f.intersector.nearest_opaque(w.rays, true, w.met.data(), OpaqueSet::all, {}, true);
+  f.intersector.nearest_opaque(w.rays, {.set = OpaqueSet::all, .coherent = true, .cull = true}, w.met.data());
   w.counters.rays_bounce += w.rays.size();
   size_t unmet = 0;
   for (size_t i = 0; i < w.rays.size(); ++i) {
@@ -291,9 +291,9 @@ Counters IrradianceTracing::keep(IrradianceHistory& history, const IrradianceReq
 }
 
 void IrradianceTracing::trace_all(const Frame& f, const std::vector<uint8_t>& traced, Executor& executor) {
+  const std::span<const uint32_t> turns = f.history ? std::span(f.history->turns()) : std::span<const uint32_t>();
   for_light_tiles(
-      f.request, f.request.work, executor,
-      light_tile_order(f.request, f.history ? std::span(f.history->turns()) : std::span<const uint32_t>()), traced,
+      {f.request, f.request.work, light_tile_order(f.request, turns), traced}, executor,
       [&](uint32_t tile, uint32_t thread) { prepare(f, workers_[thread], tile); },
       [&](uint32_t tile, uint32_t thread) { trace_tile(f, workers_[thread], tile); },
       [&](uint32_t tile, uint32_t thread, bool is_traced) {
@@ -326,7 +326,8 @@ TileRows IrradianceTracing::trace_rows(const Frame& f, Executor& executor, Irrad
   const WorkTime work{
       .deadline = r.work.deadline, .least_pieces = r.work.pieces ? 0 : (f.columns + 1) / 2, .pieces = r.work.pieces};
   for_light_tiles(
-      r, work, executor, order, {}, [&](uint32_t tile, uint32_t thread) { prepare(f, workers_[thread], tile); },
+      {r, work, std::move(order)}, executor,
+      [&](uint32_t tile, uint32_t thread) { prepare(f, workers_[thread], tile); },
       [&](uint32_t tile, uint32_t thread) { trace_tile(f, workers_[thread], tile); },
       [&](uint32_t tile, uint32_t thread, bool is_traced) {
         if (is_traced) f.history->traced(tile);
@@ -345,7 +346,7 @@ TileRows IrradianceTracing::trace_position(const Frame& f, Executor& executor) {
   for (size_t tile = 0; tile < turns.size(); ++tile) lacking[tile] = turns[tile] == 0 || history.frame() - turns[tile] >= r.position_frames;
   std::atomic<bool> is_whole{true};
   for_light_tiles(
-      r, r.work, executor, light_tile_order(r, turns), lacking, [](uint32_t, uint32_t) {},
+      {r, r.work, light_tile_order(r, turns), lacking}, executor, [](uint32_t, uint32_t) {},
       [&](uint32_t tile, uint32_t thread) {
         find_places(f, workers_[thread], tile);
         trace_tile(f, workers_[thread], tile);

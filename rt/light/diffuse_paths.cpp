@@ -53,7 +53,7 @@ void DiffusePaths::follow(std::span<const Ray> first, std::span<const Cone> cone
   rays_.assign(first.begin(), first.end());
   cones_.assign(cones.begin(), cones.end());
   hits_.resize(rays_.size());
-  intersector_->nearest_opaque(rays_, false, hits_.data());
+  intersector_->nearest_opaque(rays_, {}, hits_.data());
   rays += rays_.size();
   for (size_t i = 0; i < hits_.size(); ++i)
     if (hits_[i].instance != no_instance) nearness[i] = 1.0f / std::max(static_cast<float>(hits_[i].distance), 1e-6f);
@@ -126,7 +126,7 @@ void DiffusePaths::find_sky() {
   open_.assign(paths_.size(), 0);
   ways_.resize(paths_.size());
   next_hits_.resize(next_.size());
-  intersector_->nearest_opaque(next_, false, next_hits_.data());
+  intersector_->nearest_opaque(next_, {}, next_hits_.data());
   hidden_.resize(ends_.size());
   if (!ends_.empty()) intersector_->occluded(ends_, false, hidden_.data(), OpaqueSet::occludes_sky);
   rays += next_.size() + ends_.size();

@@ -319,7 +319,7 @@ template <typename Wanted>
 void MaskTracer::measure(const PointTile& points, uint32_t layer, std::vector<float>& distances, Worker& w,
              const Wanted& wanted) const {
   choose(w, wanted);
-  intersector_.nearest_opaque(w.chosen, rays_agree, w.hits.data(), OpaqueSet::casts_shadow);
+  intersector_.nearest_opaque(w.chosen, {.set = OpaqueSet::casts_shadow, .coherent = rays_agree}, w.hits.data());
   w.counters.rays_shadow += w.chosen.size();
   for (size_t r = 0; r < w.chosen.size(); ++r)
     distances[texel(layer, points, w.of_chosen[r])] = static_cast<float>(w.hits[r].distance);
@@ -373,7 +373,7 @@ void MaskTracer::measure_open(const PointTile& points, Worker& w) const {
   choose(w, [&](uint32_t ray, uint32_t pixel) {
     return w.occluded[ray] != 0 && is_measured(column_in_tile(pixel), row_in_tile(pixel));
   });
-  intersector_.nearest_opaque(w.chosen, rays_agree, w.hits.data(), OpaqueSet::occludes_sky);
+  intersector_.nearest_opaque(w.chosen, {.set = OpaqueSet::occludes_sky, .coherent = rays_agree}, w.hits.data());
   w.counters.rays_ao += w.chosen.size();
   const bool measures_unhidden = request_.unhidden_sky && !masks_.filter_distance.empty();
   for (size_t r = 0; r < w.chosen.size(); ++r) {

@@ -273,8 +273,8 @@ void OlderMasks::begin(const MaskRequest& r, TracedScene& scene, const Occlusion
   const model::Snapshot& snapshot = *scene.shading().snapshot;
   complete_ = false;
   trail_ = r.frame.trail ? r.frame.trail : &own_trail_;
-  trail_->begin(r.view, r.depth, {r.width, r.height}, snapshot.origin, r.sequence != SequenceStep::first,
-                scene.executor(), r.frame.number);
+  trail_->begin({r.view, r.depth, {r.width, r.height}, snapshot.origin, r.sequence != SequenceStep::first, r.frame.number},
+                scene.executor());
   const bool goes_on = trail_->follows(std::exchange(step_, trail_->step())) && follows(r, snapshot);
   if (!goes_on) {
     forget();

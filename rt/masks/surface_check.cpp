@@ -28,7 +28,7 @@ class SurfaceCheck {
     row.rays.clear();
     for (uint32_t x = 0; x < request_.width; x += step) add_ray(x, y, row);
     row.hits.resize(row.rays.size());
-    if (!row.rays.empty()) intersector_.nearest_opaque(row.rays, true, row.hits.data());
+    if (!row.rays.empty()) intersector_.nearest_opaque(row.rays, {.coherent = true}, row.hits.data());
     row.counters.mask_pixels_checked += row.rays.size();
     row.counters.mask_pixels_astray += static_cast<uint64_t>(
         std::ranges::count_if(row.hits, [](const Hit& hit) { return hit.instance == no_instance; }));

@@ -24,29 +24,38 @@ inline std::vector<uint32_t> light_tile_order(const LightRequest& r, std::span<c
   return order;
 }
 
-// Calls prepare(tile, thread) for each tile of `order` (empty: of the picture) unless the request is cancelled. For the
-// tiles in `traced` (empty: all) it then calls trace(tile, thread) if there is time, and end(tile, thread, whether it
-// was traced).
+// The tiles of a request that are worked on, and the time for it.
+struct LightTiles {
+  const LightRequest& request;
+  const WorkTime& work;
+  std::vector<uint32_t> order;           // empty: of the whole picture, by number
+  std::span<const uint8_t> traced = {};  // by tile, whether it is traced; empty: all are
+};
+
+// Calls prepare(tile, thread) for each tile unless the request is cancelled. For those that are traced it then calls
+// trace(tile, thread) if there is time, and end(tile, thread, whether it was traced).
 template <typename Prepare, typename Trace, typename End>
-void for_light_tiles(const LightRequest& r, const WorkTime& work, Executor& executor, const std::vector<uint32_t>& order,
-                     const std::vector<uint8_t>& traced, const Prepare& prepare, const Trace& trace, const End& end) {
+void for_light_tiles(const LightTiles& tiles, Executor& executor, const Prepare& prepare, const Trace& trace,
+                     const End& end) {
+  const LightRequest& r = tiles.request;
+  const std::vector<uint32_t>& order = tiles.order;
   const size_t count = order.empty() ? size_t{tile_count(r.width)} * tile_count(r.height) : order.size();
   TileReach* reach = r.wanted ? r.wanted->reach.get() : nullptr;
   if (reach) reach->fit(r.view, r.width, r.height, r.depth);
-  if (is_over(work) && order.empty())
+  if (is_over(tiles.work) && order.empty())
     return executor.run_cheap(count, [&](size_t tile, uint32_t thread) {
       if (r.cancelled && r.cancelled->load()) return;
       prepare(static_cast<uint32_t>(tile), thread);
-      if (traced.empty() || traced[tile]) end(static_cast<uint32_t>(tile), thread, false);
+      if (tiles.traced.empty() || tiles.traced[tile]) end(static_cast<uint32_t>(tile), thread, false);
     });
-  WorkClock clock(work);
+  WorkClock clock(tiles.work);
   std::atomic<size_t> next{0};
   executor.run(count, [&](size_t numbered, uint32_t thread) {
     if (r.cancelled && r.cancelled->load()) return;
     const size_t number = order.empty() ? numbered : next++;
     const auto tile = order.empty() ? static_cast<uint32_t>(numbered) : order[number];
     prepare(tile, thread);
-    if (!traced.empty() && !traced[tile]) return;
+    if (!tiles.traced.empty() && !tiles.traced[tile]) return;
     const bool is_traced = clock.run(number, [&] {
       Following rays(r.wanted && r.wanted->has(tile) ? reach : nullptr, Following::Rays::of_reflections);
       trace(tile, thread);

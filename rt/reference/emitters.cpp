@@ -1,6 +1,7 @@
 #include "rt/reference/emitters.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <numeric>
@@ -66,6 +67,48 @@ struct EmitterSampler::Building {
   std::vector<uint32_t> order;
 };
 
+struct EmitterSampler::Box {
+  glm::vec3 low{INFINITY}, high{-INFINITY};
+  void add(const Triangle& t) {
+    for (const glm::vec3& p : {t.corner, t.corner + t.edge1, t.corner + t.edge2})
+      low = glm::min(low, p), high = glm::max(high, p);
+  }
+};
+
+struct EmitterSampler::Bin {
+  Box box;
+  double power = 0;
+  uint32_t count = 0;
+  void add(const Triangle& t) {
+    box.add(t);
+    power += static_cast<double>(t.power), ++count;
+  }
+  void merge(const Bin& other) {
+    box.low = glm::min(box.low, other.box.low), box.high = glm::max(box.high, other.box.high);
+    power += other.power, count += other.count;
+  }
+  double cost() const {
+    if (count == 0) return 0.0;
+    const glm::dvec3 s(box.high - box.low);
+    return power * glm::dot(s, s);
+  }
+};
+
+// Returns the number of bins before the cheapest border; 0 if no border has triangles on both sides.
+uint32_t EmitterSampler::best_border(std::span<const Bin> binned) {
+  double best = INFINITY;
+  uint32_t border = 0;
+  for (uint32_t i = 1; i < binned.size(); ++i) {
+    Bin left, right;
+    for (const Bin& bin : binned.first(i)) left.merge(bin);
+    for (const Bin& bin : binned.subspan(i)) right.merge(bin);
+    if (left.count == 0 || right.count == 0) continue;
+    const double sum = left.cost() + right.cost();
+    if (sum < best) best = sum, border = i;
+  }
+  return border;
+}
+
 EmitterSampler::EmitterSampler(std::shared_ptr<const model::Snapshot> snapshot) : snapshot_(std::move(snapshot)) {
   first_.assign(snapshot_->instances.size(), none);
   for (uint32_t i = 0; i < first_.size(); ++i) add(*snapshot_, i);
@@ -105,16 +148,27 @@ void EmitterSampler::add(const model::Snapshot& snapshot, uint32_t i) {
 
 // Makes a node of `count` triangles of the order, and its subtree.
 void EmitterSampler::build(Building& b, uint32_t node, uint32_t first, uint32_t count) {
-  const auto triangle = [&](uint32_t k) -> const Triangle& { return b.triangles[b.order[k]]; };
-  const auto middle = [](const Triangle& t) { return t.corner + (t.edge1 + t.edge2) * (1.0f / 3.0f); };
-  glm::vec3 low(INFINITY), high(-INFINITY), low_middle(INFINITY), high_middle(-INFINITY), axis(0.0f);
+  const std::span<uint32_t> order = std::span(b.order).subspan(first, count);
+  bound(nodes_[node], b.triangles, order);
+  if (count <= most_in_leaf) return make_leaf(node, b.triangles, order);
+  const uint32_t split = split_of(b.triangles, order);
+  const auto child = static_cast<uint32_t>(nodes_.size());
+  nodes_.resize(nodes_.size() + 2);
+  nodes_[node].first = child, nodes_[node].count = 0;
+  nodes_[child].parent = nodes_[child + 1].parent = node;
+  build(b, child, first, split);
+  build(b, child + 1, first + split, count - split);
+}
+
+// Sets the node's box, cone, power and sides to those of its triangles.
+void EmitterSampler::bound(Node& node, std::span<const Triangle> triangles, std::span<const uint32_t> order) {
+  Box box;
+  glm::vec3 axis(0.0f);
   double power = 0;
   bool two_sided = false;
-  for (uint32_t k = first; k < first + count; ++k) {
-    const Triangle& t = triangle(k);
-    for (const glm::vec3& p : {t.corner, t.corner + t.edge1, t.corner + t.edge2})
-      low = glm::min(low, p), high = glm::max(high, p);
-    low_middle = glm::min(low_middle, middle(t)), high_middle = glm::max(high_middle, middle(t));
+  for (const uint32_t index : order) {
+    const Triangle& t = triangles[index];
+    box.add(t);
     axis += t.normal * t.power;
     power += static_cast<double>(t.power);
     two_sided |= t.two_sided;
@@ -122,79 +176,48 @@ void EmitterSampler::build(Building& b, uint32_t node, uint32_t first, uint32_t 
   const float length = glm::length(axis);
   axis = length > 0.0f ? axis / length : glm::vec3(0, 1, 0);
   float cosine = 1.0f;
-  for (uint32_t k = first; k < first + count; ++k) cosine = std::min(cosine, glm::dot(axis, triangle(k).normal));
-  {
-    Node& n = nodes_[node];
-    n.center = 0.5f * (low + high), n.half = 0.5f * (high - low);
-    n.axis = axis, n.cosine = std::max(cosine - 1e-5f, -1.0f);
-    n.power = static_cast<float>(power), n.two_sided = two_sided;
+  for (const uint32_t index : order) cosine = std::min(cosine, glm::dot(axis, triangles[index].normal));
+  node.center = 0.5f * (box.low + box.high), node.half = 0.5f * (box.high - box.low);
+  node.axis = axis, node.cosine = std::max(cosine - 1e-5f, -1.0f);
+  node.power = static_cast<float>(power), node.two_sided = two_sided;
+}
+
+void EmitterSampler::make_leaf(uint32_t node, std::span<const Triangle> triangles, std::span<const uint32_t> order) {
+  nodes_[node].first = static_cast<uint32_t>(triangles_.size());
+  nodes_[node].count = static_cast<uint32_t>(order.size());
+  for (const uint32_t index : order) {
+    triangles_.push_back(triangles[index]);
+    Triangle& t = triangles_.back();
+    t.node = node;
+    of_primitive_[first_[t.instance] + t.primitive] = static_cast<uint32_t>(triangles_.size() - 1);
   }
-  const glm::vec3 size = high_middle - low_middle;
+}
+
+// Orders triangles along the longest axis of their middles, and returns how many belong to the first half: it splits
+// between bins where the sum of the halves' power times size is smallest, or else in the middle.
+uint32_t EmitterSampler::split_of(std::span<const Triangle> triangles, std::span<uint32_t> order) {
+  const auto middle = [&](uint32_t index) {
+    const Triangle& t = triangles[index];
+    return t.corner + (t.edge1 + t.edge2) * (1.0f / 3.0f);
+  };
+  glm::vec3 low(INFINITY), high(-INFINITY);
+  for (const uint32_t index : order) low = glm::min(low, middle(index)), high = glm::max(high, middle(index));
+  const glm::vec3 size = high - low;
   const int along = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  if (count <= most_in_leaf) {
-    Node& n = nodes_[node];
-    n.first = static_cast<uint32_t>(triangles_.size()), n.count = count;
-    for (uint32_t k = first; k < first + count; ++k) {
-      triangles_.push_back(triangle(k));
-      Triangle& t = triangles_.back();
-      t.node = node;
-      of_primitive_[first_[t.instance] + t.primitive] = static_cast<uint32_t>(triangles_.size() - 1);
-    }
-    return;
-  }
-  // Splits where the sum of the halves' power times size is smallest.
-  uint32_t split = count / 2;
+  const auto half = static_cast<uint32_t>(order.size() / 2);
+  if (!(size[along] > 0.0f)) return half;
   const auto bin_of = [&](uint32_t index) {
-    const float at = (middle(b.triangles[index])[along] - low_middle[along]) / size[along];
+    const float at = (middle(index)[along] - low[along]) / size[along];
     return std::min(static_cast<uint32_t>(at * static_cast<float>(bins)), bins - 1);
   };
-  const auto begin = b.order.begin() + first, end = begin + count;
-  bool is_split = false;
-  if (size[along] > 0.0f) {
-    struct Bin {
-      glm::vec3 low{INFINITY}, high{-INFINITY};
-      double power = 0;
-      uint32_t count = 0;
-    } binned[bins];
-    const auto merge = [](Bin& into, const Bin& from) {
-      into.low = glm::min(into.low, from.low), into.high = glm::max(into.high, from.high);
-      into.power += from.power, into.count += from.count;
-    };
-    for (uint32_t k = first; k < first + count; ++k) {
-      const Triangle& t = triangle(k);
-      Bin own;
-      for (const glm::vec3& p : {t.corner, t.corner + t.edge1, t.corner + t.edge2})
-        own.low = glm::min(own.low, p), own.high = glm::max(own.high, p);
-      own.power = static_cast<double>(t.power), own.count = 1;
-      merge(binned[bin_of(b.order[k])], own);
-    }
-    const auto cost = [](const Bin& x) {
-      if (x.count == 0) return 0.0;
-      const glm::dvec3 s(x.high - x.low);
-      return x.power * glm::dot(s, s);
-    };
-    double best = INFINITY;
-    uint32_t border = 0;
-    for (uint32_t i = 1; i < bins; ++i) {
-      Bin left, right;
-      for (uint32_t k = 0; k < i; ++k) merge(left, binned[k]);
-      for (uint32_t k = i; k < bins; ++k) merge(right, binned[k]);
-      if (left.count == 0 || right.count == 0) continue;
-      const double sum = cost(left) + cost(right);
-      if (sum < best) best = sum, border = i, split = left.count, is_split = true;
-    }
-    if (is_split) std::stable_partition(begin, end, [&](uint32_t index) { return bin_of(index) < border; });
+  std::array<Bin, bins> binned;
+  for (const uint32_t index : order) binned[bin_of(index)].add(triangles[index]);
+  if (const uint32_t border = best_border(binned)) {
+    const auto second = std::ranges::stable_partition(order, [&](uint32_t index) { return bin_of(index) < border; });
+    return static_cast<uint32_t>(second.begin() - order.begin());
   }
-  if (!is_split && size[along] > 0.0f)
-    std::stable_sort(begin, end, [&](uint32_t x, uint32_t y) {
-      return middle(b.triangles[x])[along] < middle(b.triangles[y])[along];
-    });
-  const auto child = static_cast<uint32_t>(nodes_.size());
-  nodes_.resize(nodes_.size() + 2);
-  nodes_[node].first = child, nodes_[node].count = 0;
-  nodes_[child].parent = nodes_[child + 1].parent = node;
-  build(b, child, first, split);
-  build(b, child + 1, first + split, count - split);
+  std::ranges::stable_sort(order, [&](uint32_t x, uint32_t y) { return middle(x)[along] < middle(y)[along]; });
+  return half;
 }
 
 // Bounds the light that a point may receive from any triangle of the node.

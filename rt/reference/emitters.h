@@ -5,6 +5,7 @@
 
 #include <glm/glm.hpp>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "model/snapshot.h"
@@ -62,9 +63,15 @@ class EmitterSampler {
     uint32_t first, count;   // a leaf's triangles; count 0: `first` is the first child, followed by the other
   };
   struct Building;
+  struct Box;
+  struct Bin;
 
   void add(const model::Snapshot& snapshot, uint32_t instance);
   void build(Building& building, uint32_t node, uint32_t first, uint32_t count);
+  static void bound(Node& node, std::span<const Triangle> triangles, std::span<const uint32_t> order);
+  void make_leaf(uint32_t node, std::span<const Triangle> triangles, std::span<const uint32_t> order);
+  static uint32_t split_of(std::span<const Triangle> triangles, std::span<uint32_t> order);
+  static uint32_t best_border(std::span<const Bin> binned);
   float importance(const Node& node, const LitPoint& point) const;
   float importance(const Triangle& triangle, const LitPoint& point) const;
   float chance(uint32_t triangle, const LitPoint& point) const;

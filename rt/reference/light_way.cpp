@@ -51,9 +51,9 @@ void LightWays::find_opaque(std::span<LightWay* const> ways, bool from_eye) {
   }
   if (rays_.empty()) return;
   hits_.resize(rays_.size());
-  intersector_->nearest_opaque(rays_, directions_agree(rays_), hits_.data(),
-                               from_eye ? OpaqueSet::all : OpaqueSet::visible_in_reflection, from_eye ? eye_ : AlphaCone{},
-                               from_eye);
+  OpaqueSearch search{.coherent = directions_agree(rays_)};
+  if (from_eye) search.set = OpaqueSet::all, search.cone = eye_, search.cull = true;
+  intersector_->nearest_opaque(rays_, search, hits_.data());
   traversals += rays_.size();
   for (size_t i = 0; i < group_.size(); ++i) group_[i]->end_at(hits_[i]);
 }

@@ -43,12 +43,13 @@ sideray_hit public_hit(const model::Snapshot& snapshot, const Hit& hit) {
   return out;
 }
 
-// Traces one surface after another. Of several opaque surfaces at exactly one distance it reports the first.
+// Traces one surface after another. Of several opaque surfaces at exactly one distance it reports the first. hits[i *
+// layers + k] is the k-th surface of ray i, here and below.
 void trace_opaque(const model::Snapshot& snapshot, const Intersector& intersector, std::vector<Ray> rays,
                   uint32_t layers, sideray_hit* hits) {
   std::vector<Hit> found(rays.size());
   for (uint32_t k = 0; k < layers; ++k) {
-    intersector.nearest_opaque(rays, false, found.data());
+    intersector.nearest_opaque(rays, {}, found.data());
     for (size_t i = 0; i < rays.size(); ++i) {
       hits[i * layers + k] = public_hit(snapshot, found[i]);
       rays[i].t_near = found[i].instance == no_instance ? farthest : behind(found[i]);
@@ -78,7 +79,7 @@ Ray ray_of(const sideray_ray& r) {
 
 void trace_drawn_surfaces(const Intersector& intersector, const AlphaCone& cone, std::span<const Ray> rays, std::vector<Hit>& hits) {
   hits.resize(rays.size());
-  intersector.nearest_opaque(rays, true, hits.data(), OpaqueSet::all, cone, true);
+  intersector.nearest_opaque(rays, {.set = OpaqueSet::all, .coherent = true, .cone = cone, .cull = true}, hits.data());
 }
 
 namespace {
@@ -139,15 +140,15 @@ std::vector<OpaquePoint> trace_opaque_points(const ShadingScene& scene, const In
 }
 
 void trace_ray_batch(const model::Snapshot& snapshot, const Intersector& intersector, Executor& executor,
-                     sideray_ray_set set, std::span<const sideray_ray> rays, uint32_t layers, sideray_hit* hits) {
-  for_chunks(rays.size(), executor, [&](size_t first, size_t count) {
-    std::vector<Ray> batch;
-    for (const sideray_ray& r : rays.subspan(first, count)) batch.push_back(ray_of(r));
-    sideray_hit* out = hits + first * layers;
-    if (set == SIDERAY_RAYS_OPAQUE)
-      trace_opaque(snapshot, intersector, std::move(batch), layers, out);
+                     const RayBatch& batch) {
+  for_chunks(batch.rays.size(), executor, [&](size_t first, size_t count) {
+    std::vector<Ray> rays;
+    for (const sideray_ray& r : batch.rays.subspan(first, count)) rays.push_back(ray_of(r));
+    sideray_hit* hits = batch.hits + first * batch.layers;
+    if (batch.set == SIDERAY_RAYS_OPAQUE)
+      trace_opaque(snapshot, intersector, std::move(rays), batch.layers, hits);
     else
-      trace_translucent(snapshot, intersector, batch, layers, out);
+      trace_translucent(snapshot, intersector, rays, batch.layers, hits);
   });
 }
 

@@ -24,8 +24,14 @@ std::vector<OpaquePoint> trace_opaque_points(const ShadingScene& scene, const In
 // double sided. All rays use `cone` for alpha.
 void trace_drawn_surfaces(const Intersector& intersector, const AlphaCone& cone, std::span<const Ray> rays, std::vector<Hit>& hits);
 
-// Traces rays as documented at Tracer::trace_rays.
+// Rays of a caller, as documented at Tracer::trace_rays.
+struct RayBatch {
+  sideray_ray_set set;
+  std::span<const sideray_ray> rays;
+  uint32_t layers;    // surfaces that are wanted of a ray
+  sideray_hit* hits;  // room for rays.size() * layers
+};
 void trace_ray_batch(const model::Snapshot& snapshot, const Intersector& intersector, Executor& executor,
-                     sideray_ray_set set, std::span<const sideray_ray> rays, uint32_t layers, sideray_hit* hits);
+                     const RayBatch& batch);
 
 }  // namespace sideray::rt

@@ -243,7 +243,7 @@ void ReferenceShader::light_reflected(std::span<const SurfacePoint> points, bool
 
 void ReferenceShader::trace_opaque(std::span<const SurfacePoint> points, bool coherent) {
   hits_.resize(rays_.size());
-  scene_.intersector->nearest_opaque(rays_, coherent, hits_.data());
+  scene_.intersector->nearest_opaque(rays_, {.coherent = coherent}, hits_.data());
   rays_reflection += rays_.size();
   second_points_.clear();
   second_rays_.clear();

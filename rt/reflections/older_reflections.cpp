@@ -20,8 +20,9 @@ void OlderReflections::begin(const ReflectionRequest& r, TracedScene& scene, Ref
   std::shared_ptr<const model::Snapshot> committed = scene.committed();
   const size_t pixels = size_t{r.width} * r.height;
   trail_ = r.frame.trail ? r.frame.trail : &own_trail_;
-  trail_->begin(r.view, r.depth, {r.width, r.height}, scene.shading().snapshot->origin,
-                r.sequence != SequenceStep::first, scene.executor(), r.frame.number);
+  trail_->begin({r.view, r.depth, {r.width, r.height}, scene.shading().snapshot->origin,
+                 r.sequence != SequenceStep::first, r.frame.number},
+                scene.executor());
   moves_ = trail_->follows(std::exchange(step_, trail_->step())) && follows(r, *committed) &&
            image.radiance.size() == 4 * pixels;
   known_ = false;

@@ -254,9 +254,9 @@ Counters ReflectionTracing::trace_tiles(const ReflectionRequest& r, TracedScene&
   const uint32_t columns = tile_count(r.width);
   for (Worker& worker : workers_) worker.counters = {};
   filter_.begin(size_t{columns} * tile_count(r.height));
+  const std::span<const uint32_t> turns = older ? std::span(older->turns()) : std::span<const uint32_t>();
   for_light_tiles(
-      r, r.work, scene.executor(), light_tile_order(r, older ? std::span(older->turns()) : std::span<const uint32_t>()), traced,
-      [](uint32_t, uint32_t) {},
+      {r, r.work, light_tile_order(r, turns), traced}, scene.executor(), [](uint32_t, uint32_t) {},
       [&](uint32_t i, uint32_t thread) {
         const Tile tile{&r, &view, &shading, &scene.intersector(), i, i % columns * tile_size, i / columns * tile_size};
         if (older) empty(tile, image);

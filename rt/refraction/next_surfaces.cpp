@@ -116,8 +116,9 @@ void NextSurfaces::find_opaque() {
   }
   if (rays_.empty()) return;
   hits_.resize(rays_.size());
-  context_->frame->intersector->nearest_opaque(rays_, directions_agree(rays_), hits_.data(), OpaqueSet::all,
-                                               common_cone(), true);
+  const OpaqueSearch search{
+      .set = OpaqueSet::all, .coherent = directions_agree(rays_), .cone = common_cone(), .cull = true};
+  context_->frame->intersector->nearest_opaque(rays_, search, hits_.data());
   counters_->rays_primary += rays_.size();
   for (size_t k = 0; k < group_.size(); ++k) {
     if (hits_[k].instance == no_instance) continue;

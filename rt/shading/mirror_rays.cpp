@@ -94,7 +94,7 @@ void MirrorRays::follow() {
   if (rays_.empty()) return;
   const bool coherent = directions_agree(rays_);
   opaque_hits_.resize(rays_.size());
-  intersector_->nearest_opaque(rays_, coherent, opaque_hits_.data());
+  intersector_->nearest_opaque(rays_, {.coherent = coherent}, opaque_hits_.data());
   traversals += rays_.size();
   shade_opaque_hits();
   if (intersector_->has_translucent(LayerSet::all_translucent)) trace_in_front(coherent);

@@ -31,6 +31,7 @@ Texel leaves_texel(vec2 uv, const std::vector<Leaf>& leaves, vec3 dark, vec3 lig
     const float v = glm::dot(from, along) / length;
     if (v <= 0.0f || v >= 1.0f) continue;
     const float u = (from.x * along.y - from.y * along.x) / length;
+    if (std::abs(u) >= 0.5f * leaf.width) continue;  // wider than any leaf is: most texels, without powers
     const float half = 0.5f * leaf.width * elementary::pow(elementary::sin(glm::pi<float>() * elementary::pow(v, 0.8f)), 0.8f);
     const float inside = (half - std::abs(u)) * length * 90.0f;
     if (inside <= 0.0f) continue;

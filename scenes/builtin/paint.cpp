@@ -15,8 +15,11 @@ uint32_t wrapped(float cell, uint32_t period) {
   return static_cast<uint32_t>(((inside % p) + p) % p);
 }
 
+// Rounds as std::lround does, which is a call of libm.
 uint8_t code(float value) {
-  return static_cast<uint8_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 255.0f));
+  const float scaled = std::clamp(value, 0.0f, 1.0f) * 255.0f;
+  const auto whole = static_cast<int>(scaled);
+  return static_cast<uint8_t>(scaled - static_cast<float>(whole) >= 0.5f ? whole + 1 : whole);
 }
 
 Texture blank(const std::string& name, uint32_t width, uint32_t height, bool srgb) {

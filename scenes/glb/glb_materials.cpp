@@ -4,6 +4,8 @@
 #include <cmath>
 #include <glm/glm.hpp>
 #include <iterator>
+#include <optional>
+#include <vector>
 
 #include "elementary/functions.h"
 #include "scenes/images/images.h"
@@ -22,6 +24,81 @@ bool is_set(const sideray_texture_slot& slot) {
 
 bool all(const float (&color)[3], float value) {
   return std::all_of(std::begin(color), std::end(color), [value](float c) { return c == value; });
+}
+
+// A material extension of glTF whose members are those of a description. It is written for materials that differ from
+// one without it.
+struct Extension {
+  using Desc = sideray_material_desc;
+  struct Factor {
+    const char* key;
+    float Desc::*value;
+    std::optional<float> without = {};  // the value without the extension; none: this factor changes nothing by itself
+  };
+  struct Color {
+    const char* key;
+    float (Desc::*value)[3];
+    float without;  // of each channel
+  };
+  struct Texture {
+    const char* key;
+    sideray_texture_slot Desc::*slot;
+    float Desc::*scale = nullptr;  // of a normal texture
+  };
+
+  const char* name;
+  std::vector<Factor> factors;
+  std::vector<Color> colors;
+  std::vector<Texture> textures;
+
+  bool is_needed_by(const Desc& desc) const {
+    return std::ranges::any_of(factors, [&](const Factor& f) { return f.without && desc.*f.value != *f.without; }) ||
+           std::ranges::any_of(colors, [&](const Color& c) { return !all(desc.*c.value, c.without); }) ||
+           std::ranges::any_of(textures, [&](const Texture& t) { return is_set(desc.*t.slot); });
+  }
+};
+
+const std::vector<Extension>& extensions() {
+  using D = sideray_material_desc;
+  static const std::vector<Extension> all{
+      {"KHR_materials_transmission",
+       {{"transmissionFactor", &D::transmission, 0.0f}},
+       {},
+       {{"transmissionTexture", &D::transmission_texture}}},
+      {"KHR_materials_ior", {{"ior", &D::ior, 1.5f}}, {}, {}},
+      {"KHR_materials_dispersion", {{"dispersion", &D::dispersion, 0.0f}}, {}, {}},
+      {"KHR_materials_specular",
+       {{"specularFactor", &D::specular, 1.0f}},
+       {{"specularColorFactor", &D::specular_color, 1.0f}},
+       {{"specularTexture", &D::specular_texture}, {"specularColorTexture", &D::specular_color_texture}}},
+      {"KHR_materials_clearcoat",
+       {{"clearcoatFactor", &D::clearcoat, 0.0f}, {"clearcoatRoughnessFactor", &D::clearcoat_roughness, 0.0f}},
+       {},
+       {{"clearcoatTexture", &D::clearcoat_texture},
+        {"clearcoatRoughnessTexture", &D::clearcoat_roughness_texture},
+        {"clearcoatNormalTexture", &D::clearcoat_normal_texture, &D::clearcoat_normal_scale}}},
+      {"KHR_materials_sheen",
+       {{"sheenRoughnessFactor", &D::sheen_roughness, 0.0f}},
+       {{"sheenColorFactor", &D::sheen_color, 0.0f}},
+       {{"sheenColorTexture", &D::sheen_color_texture}, {"sheenRoughnessTexture", &D::sheen_roughness_texture}}},
+      {"KHR_materials_diffuse_transmission",
+       {{"diffuseTransmissionFactor", &D::diffuse_transmission, 0.0f}},
+       {{"diffuseTransmissionColorFactor", &D::diffuse_transmission_color, 1.0f}},
+       {{"diffuseTransmissionTexture", &D::diffuse_transmission_texture},
+        {"diffuseTransmissionColorTexture", &D::diffuse_transmission_color_texture}}},
+      {"KHR_materials_anisotropy",
+       {{"anisotropyStrength", &D::anisotropy, 0.0f}, {"anisotropyRotation", &D::anisotropy_rotation}},
+       {},
+       {{"anisotropyTexture", &D::anisotropy_texture}}},
+      {"KHR_materials_iridescence",
+       {{"iridescenceFactor", &D::iridescence, 0.0f},
+        {"iridescenceIor", &D::iridescence_ior},
+        {"iridescenceThicknessMinimum", &D::iridescence_thickness_min},
+        {"iridescenceThicknessMaximum", &D::iridescence_thickness_max}},
+       {},
+       {{"iridescenceTexture", &D::iridescence_texture},
+        {"iridescenceThicknessTexture", &D::iridescence_thickness_texture}}}};
+  return all;
 }
 
 void set_extras(Json& material, const Material& source) {
@@ -54,14 +131,9 @@ GlbMaterials::Json GlbMaterials::material(size_t index) {
   if (desc.alpha_mode == SIDERAY_BLEND) material["alphaMode"] = "BLEND";
   if (desc.double_sided != 0) material["doubleSided"] = true;
   set_emission(material, desc);
-  set_glass(material, desc, mesh_thickness(index));
+  set_volume(material, desc, mesh_thickness(index));
   if (desc.unlit != 0) document_.extension(material, "KHR_materials_unlit");
-  set_specular(material, desc);
-  set_clearcoat(material, desc);
-  set_sheen(material, desc);
-  set_diffuse_transmission(material, desc);
-  set_anisotropy(material, desc);
-  set_iridescence(material, desc);
+  set_extensions(material, desc);
   set_extras(material, source);
   return material;
 }
@@ -143,91 +215,27 @@ void GlbMaterials::set_emission(Json& material, const sideray_material_desc& des
   if (strength > 1.0f) document_.extension(material, "KHR_materials_emissive_strength")["emissiveStrength"] = strength;
 }
 
-void GlbMaterials::set_glass(Json& material, const sideray_material_desc& desc, float thickness) {
-  if (desc.transmission > 0.0f || is_set(desc.transmission_texture)) {
-    Json& e = document_.extension(material, "KHR_materials_transmission");
-    e["transmissionFactor"] = desc.transmission;
-    set_texture(e, "transmissionTexture", desc.transmission_texture);
-  }
-  if (desc.ior != 1.5f) document_.extension(material, "KHR_materials_ior")["ior"] = desc.ior;
-  if (desc.dispersion > 0.0f) document_.extension(material, "KHR_materials_dispersion")["dispersion"] = desc.dispersion;
+void GlbMaterials::set_volume(Json& material, const sideray_material_desc& desc, float thickness) {
   const bool attenuates = std::isfinite(desc.attenuation_distance);
-  if (thickness > 0.0f || attenuates || is_set(desc.thickness_texture)) {
-    Json& e = document_.extension(material, "KHR_materials_volume");
-    e["thicknessFactor"] = thickness;
-    if (attenuates) e["attenuationDistance"] = desc.attenuation_distance;
-    e["attenuationColor"] = desc.attenuation_color;
-    set_texture(e, "thicknessTexture", desc.thickness_texture);
+  if (thickness <= 0.0f && !attenuates && !is_set(desc.thickness_texture)) return;
+  Json& volume = document_.extension(material, "KHR_materials_volume");
+  volume["thicknessFactor"] = thickness;
+  if (attenuates) volume["attenuationDistance"] = desc.attenuation_distance;
+  volume["attenuationColor"] = desc.attenuation_color;
+  set_texture(volume, "thicknessTexture", desc.thickness_texture);
+}
+
+void GlbMaterials::set_extensions(Json& material, const sideray_material_desc& desc) {
+  for (const Extension& extension : extensions()) {
+    if (!extension.is_needed_by(desc)) continue;
+    Json& e = document_.extension(material, extension.name);
+    for (const Extension::Factor& f : extension.factors) e[f.key] = desc.*f.value;
+    for (const Extension::Color& c : extension.colors) e[c.key] = desc.*c.value;
+    for (const Extension::Texture& t : extension.textures) {
+      set_texture(e, t.key, desc.*t.slot);
+      if (t.scale && is_set(desc.*t.slot)) e[t.key]["scale"] = desc.*t.scale;
+    }
   }
-}
-
-void GlbMaterials::set_specular(Json& material, const sideray_material_desc& desc) {
-  const bool differs = desc.specular != 1.0f || !all(desc.specular_color, 1.0f) || is_set(desc.specular_texture) ||
-                       is_set(desc.specular_color_texture);
-  if (!differs) return;
-  Json& e = document_.extension(material, "KHR_materials_specular");
-  e["specularFactor"] = desc.specular;
-  e["specularColorFactor"] = desc.specular_color;
-  set_texture(e, "specularTexture", desc.specular_texture);
-  set_texture(e, "specularColorTexture", desc.specular_color_texture);
-}
-
-void GlbMaterials::set_clearcoat(Json& material, const sideray_material_desc& desc) {
-  const bool differs = desc.clearcoat > 0.0f || desc.clearcoat_roughness > 0.0f || is_set(desc.clearcoat_texture) ||
-                       is_set(desc.clearcoat_roughness_texture) || is_set(desc.clearcoat_normal_texture);
-  if (!differs) return;
-  Json& e = document_.extension(material, "KHR_materials_clearcoat");
-  e["clearcoatFactor"] = desc.clearcoat;
-  e["clearcoatRoughnessFactor"] = desc.clearcoat_roughness;
-  set_texture(e, "clearcoatTexture", desc.clearcoat_texture);
-  set_texture(e, "clearcoatRoughnessTexture", desc.clearcoat_roughness_texture);
-  set_texture(e, "clearcoatNormalTexture", desc.clearcoat_normal_texture);
-  if (is_set(desc.clearcoat_normal_texture))
-    e["clearcoatNormalTexture"]["scale"] = desc.clearcoat_normal_scale;
-}
-
-void GlbMaterials::set_sheen(Json& material, const sideray_material_desc& desc) {
-  const bool differs = !all(desc.sheen_color, 0.0f) || desc.sheen_roughness > 0.0f ||
-                       is_set(desc.sheen_color_texture) || is_set(desc.sheen_roughness_texture);
-  if (!differs) return;
-  Json& e = document_.extension(material, "KHR_materials_sheen");
-  e["sheenColorFactor"] = desc.sheen_color;
-  e["sheenRoughnessFactor"] = desc.sheen_roughness;
-  set_texture(e, "sheenColorTexture", desc.sheen_color_texture);
-  set_texture(e, "sheenRoughnessTexture", desc.sheen_roughness_texture);
-}
-
-void GlbMaterials::set_diffuse_transmission(Json& material, const sideray_material_desc& desc) {
-  const bool differs = desc.diffuse_transmission > 0.0f || !all(desc.diffuse_transmission_color, 1.0f) ||
-                       is_set(desc.diffuse_transmission_texture) || is_set(desc.diffuse_transmission_color_texture);
-  if (!differs) return;
-  Json& e = document_.extension(material, "KHR_materials_diffuse_transmission");
-  e["diffuseTransmissionFactor"] = desc.diffuse_transmission;
-  e["diffuseTransmissionColorFactor"] = desc.diffuse_transmission_color;
-  set_texture(e, "diffuseTransmissionTexture", desc.diffuse_transmission_texture);
-  set_texture(e, "diffuseTransmissionColorTexture", desc.diffuse_transmission_color_texture);
-}
-
-void GlbMaterials::set_anisotropy(Json& material, const sideray_material_desc& desc) {
-  const bool differs = desc.anisotropy > 0.0f || is_set(desc.anisotropy_texture);
-  if (!differs) return;
-  Json& e = document_.extension(material, "KHR_materials_anisotropy");
-  e["anisotropyStrength"] = desc.anisotropy;
-  e["anisotropyRotation"] = desc.anisotropy_rotation;
-  set_texture(e, "anisotropyTexture", desc.anisotropy_texture);
-}
-
-void GlbMaterials::set_iridescence(Json& material, const sideray_material_desc& desc) {
-  const bool differs = desc.iridescence > 0.0f || is_set(desc.iridescence_texture) ||
-                       is_set(desc.iridescence_thickness_texture);
-  if (!differs) return;
-  Json& e = document_.extension(material, "KHR_materials_iridescence");
-  e["iridescenceFactor"] = desc.iridescence;
-  e["iridescenceIor"] = desc.iridescence_ior;
-  e["iridescenceThicknessMinimum"] = desc.iridescence_thickness_min;
-  e["iridescenceThicknessMaximum"] = desc.iridescence_thickness_max;
-  set_texture(e, "iridescenceTexture", desc.iridescence_texture);
-  set_texture(e, "iridescenceThicknessTexture", desc.iridescence_thickness_texture);
 }
 
 }  // namespace sideray::scenes

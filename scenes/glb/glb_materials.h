@@ -31,14 +31,8 @@ class GlbMaterials {
   void set_transform(Json& info, const float (&texture_from_uv)[6]);
   float mesh_thickness(size_t index) const;
   void set_emission(Json& material, const sideray_material_desc& desc);
-  void set_glass(Json& material, const sideray_material_desc& desc, float thickness);
-  // Each writes an extension if one of its factors or textures differs from the default.
-  void set_specular(Json& material, const sideray_material_desc& desc);
-  void set_clearcoat(Json& material, const sideray_material_desc& desc);
-  void set_sheen(Json& material, const sideray_material_desc& desc);
-  void set_diffuse_transmission(Json& material, const sideray_material_desc& desc);
-  void set_anisotropy(Json& material, const sideray_material_desc& desc);
-  void set_iridescence(Json& material, const sideray_material_desc& desc);
+  void set_volume(Json& material, const sideray_material_desc& desc, float thickness);
+  void set_extensions(Json& material, const sideray_material_desc& desc);
 
   const Content& content_;
   GlbDocument& document_;

@@ -59,7 +59,7 @@ class PointerPictures : public Program {
     make("moving", [&](json& gltf) { animate(gltf, pointer, from, to, 2, "LINEAR"); });
     make("still", [&](json& gltf) { set(gltf, pointer, middle); });
     for (const std::string& way : ways()) {
-      const std::string how = " --size 64x36 --gl " + way;
+      const std::string how = " --size 32x18 --gl " + way;
       draw("still.glb -o still.png" + how);
       draw("moving.glb --time 1 -o moving.png" + how);
       draw("moving.glb -o start.png" + how);

@@ -94,7 +94,7 @@ std::vector<float> differences(const scenes::Content& content, const sideray_cam
       const size_t i = size_t{y} * width + x;
       const rt::Ray ray = rays.ray(x, y);
       rt::Hit hit{};
-      intersector.nearest_opaque({&ray, 1}, false, &hit);
+      intersector.nearest_opaque({&ray, 1}, {}, &hit);
       if (raster.ids[i].x == 0 || hit.instance == rt::no_instance || hit.primitive + 1 != raster.ids[i].y ||
           snapshot->instances[hit.instance].surface_id != raster.ids[i].x)
         continue;

@@ -29,6 +29,8 @@ SCREEN = (1000, 600)
 PANEL = 380
 # Middles of the panel's rows, in pixels below its top.
 ROWS = {"shows": 169, "camera": 194, "variant": 219, "quality": 224, "translucency": 249, "layers": 274}
+# What makes large pictures come to rest soon.
+QUICK = ("--shadows", "off", "--ambient", "off", "--reflections", "off")
 CHART_ABOVE_END = 78  # the button that makes a chart, above the end of the panel
 
 
@@ -378,7 +380,7 @@ class Viewer(unittest.TestCase):
 
     def test_variants_of_materials_are_chosen_in_the_panel(self):
         scene_files.gltf(self.folder / "square.gltf")
-        self.open("square.gltf", "300x500")
+        self.open("square.gltf", "300x500", *QUICK)
         self.wait_for("64/64")
         self.assertLess(max(self.color(150, 250)) - min(self.color(150, 250)), 40, "the file's own material is grey")
         for item, channel in ((1, 0), (2, 2)):
@@ -388,7 +390,7 @@ class Viewer(unittest.TestCase):
             self.wait_for("64/64")
         saved = self.save()
         subprocess.run([PROGRAM, "render", "square.gltf", "--variant", "blue", "--gl", "none", "--size", "300x500", "--samples", "64",
-                        "-o", "render.png"], cwd=self.folder, check=True)
+                        *QUICK, "-o", "render.png"], cwd=self.folder, check=True)
         self.assertEqual(png_rows(saved), png_rows(self.folder / "render.png"))
         self.close()
 
@@ -406,7 +408,7 @@ class Viewer(unittest.TestCase):
         return pixels, any(red > 220 and 165 < green < 195 and 90 < blue < 110 for red, green, blue in colors)
 
     def test_the_mouse_on_an_option_shows_its_help_and_why_it_is_grey(self):
-        self.open("panes", "400x450", "--translucency", "raster")
+        self.open("panes", "400x450", "--translucency", "raster", *QUICK)
         self.wait_for("64/64")
         helps = {row: self.help_of(row, 400) for row in ("quality", "translucency", "layers")}
         self.assertEqual(len({pixels for pixels, _ in helps.values()}), 3, "options have the same help")

@@ -252,7 +252,7 @@ TEST(NearestOpaque, IsThatOfBruteForceAndShadowRaysAgree) {
     intersector.set_scene(scene.snapshot);
     std::vector<Hit> hits(rays.size());
     std::vector<uint8_t> occluded(rays.size());
-    intersector.nearest_opaque(rays, false, hits.data());
+    intersector.nearest_opaque(rays, {}, hits.data());
     intersector.occluded(rays, false, occluded.data());
     size_t wrong = 0, found = 0;
     for (size_t i = 0; i < rays.size(); ++i) {

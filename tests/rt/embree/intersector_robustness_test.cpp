@@ -72,7 +72,7 @@ TEST_P(EveryInstructionSet, RefusesBadRaysHarmlessly) {
     std::vector<Hit> opaque(rays.size());
     std::vector<uint8_t> occluded(rays.size(), 7);
     std::vector<float> t_far(rays.size());
-    intersector.nearest_opaque(rays, coherent, opaque.data());
+    intersector.nearest_opaque(rays, {.coherent = coherent}, opaque.data());
     intersector.occluded(rays, coherent, occluded.data());
     intersector.raw_intersect(LayerSet::all_translucent, rays, coherent, t_far.data());
     for (size_t i = 0; i < rays.size(); ++i) {
@@ -116,8 +116,8 @@ TEST_P(EveryInstructionSet, FindsTheSame) {
   best.set_scene(scene.snapshot);
   pinned.set_scene(scene.snapshot);
   std::vector<Hit> opaque_a(rays.size()), opaque_b(rays.size());
-  best.nearest_opaque(rays, false, opaque_a.data());
-  pinned.nearest_opaque(rays, true, opaque_b.data());
+  best.nearest_opaque(rays, {}, opaque_a.data());
+  pinned.nearest_opaque(rays, {.coherent = true}, opaque_b.data());
   for (const uint32_t layers : {1u, 4u, 16u}) {
     const auto a = layers_of(best, rays, layers), b = layers_of(pinned, rays, layers, true);
     size_t different = 0, ambiguous = 0;
@@ -186,7 +186,7 @@ void expect_nothing(const Intersector& intersector) {
   const std::vector<Ray> rays(20, Ray{{0.1f, 0.3f, 5.0f}, 0, {0, 0, -1}, infinity});
   std::vector<Hit> opaque(rays.size());
   std::vector<uint8_t> occluded(rays.size(), 7);
-  intersector.nearest_opaque(rays, true, opaque.data());
+  intersector.nearest_opaque(rays, {.coherent = true}, opaque.data());
   intersector.occluded(rays, true, occluded.data());
   for (const std::vector<Hit>& hits : layers_of(intersector, rays, 4)) EXPECT_TRUE(hits.empty());
   for (const Hit& hit : opaque) EXPECT_EQ(hit.instance, no_instance);

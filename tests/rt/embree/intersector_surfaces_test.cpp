@@ -165,7 +165,7 @@ TEST(RayEnds, AreComparedWithTheRecomputedDistance) {
     std::vector<uint8_t> occluded(rays.size());
     std::vector<Hit> nearest(rays.size());
     intersector.occluded(rays, false, occluded.data(), OpaqueSet::all);
-    intersector.nearest_opaque(rays, false, nearest.data(), OpaqueSet::all);
+    intersector.nearest_opaque(rays, {.set = OpaqueSet::all}, nearest.data());
     size_t wrong = 0;
     for (size_t i = 0; i < rays.size(); ++i)
       wrong += (occluded[i] != 0) != meets[i] || (nearest[i].instance != no_instance) != meets[i];
@@ -290,7 +290,7 @@ TEST(InstanceMasks, DecideWhichRaysMeetAnInstance) {
   EXPECT_THAT(instances_of(layers_of(intersector, rays, 8, false, LayerSet::all_translucent)[0]),
               testing::ElementsAre(0u, 1u, 2u, 3u));
   Hit hit;
-  intersector.nearest_opaque(rays, false, &hit);
+  intersector.nearest_opaque(rays, {}, &hit);
   EXPECT_EQ(hit.instance, 6u);
   // The shadow caster is at 10, in lengths of this ray at 10 / 5.
   for (const auto& [end, expected] : {std::tuple(1.9f, 0), std::tuple(2.1f, 1)}) {

@@ -63,11 +63,11 @@ TEST_P(Trail, finds_the_pixel_that_showed_the_point) {
   Executor executor(2);
   PixelTrail trail;
   View then(from({0, 1.5, 0}, GetParam()));
-  trail.begin(then.view, then.depth.image(), {width, height}, {}, false, executor);
+  trail.begin({then.view, then.depth.image(), {width, height}, {}, false}, executor);
   size_t found = 0, all = 0;
   for (int f = 1; f <= 6; ++f) {
     const View now(from({0.07 * f, 1.5 + 0.02 * f, -0.05 * f}, GetParam()));
-    trail.begin(now.view, now.depth.image(), {width, height}, {}, true, executor);
+    trail.begin({now.view, now.depth.image(), {width, height}, {}, true}, executor);
     ASSERT_FALSE(trail.same_view());
     for (uint32_t y = 0; y < height; ++y)
       for (uint32_t x = 0; x < width; x += frame_tile_size) {
@@ -98,8 +98,8 @@ TEST_P(Trail, knows_nothing_of_what_was_hidden) {
   PixelTrail trail;
   // Both look at the post.
   const View then(from({-0.8, 1.2, 0}, GetParam(), {0.8, -0.3, -3.0})), now(from({0.8, 1.2, 0}, GetParam(), {-0.8, -0.3, -3.0}));
-  trail.begin(then.view, then.depth.image(), {width, height}, {}, false, executor);
-  trail.begin(now.view, now.depth.image(), {width, height}, {}, true, executor);
+  trail.begin({then.view, then.depth.image(), {width, height}, {}, false}, executor);
+  trail.begin({now.view, now.depth.image(), {width, height}, {}, true}, executor);
   size_t hidden = 0;
   for (uint32_t y = 0; y < height; ++y)
     for (uint32_t x = 0; x < width; x += frame_tile_size) {
@@ -126,8 +126,8 @@ TEST_P(Trail, stays_where_nothing_moves) {
   Executor executor(1);
   PixelTrail trail;
   const View view(from({0, 1.5, 0}, GetParam()));
-  trail.begin(view.view, view.depth.image(), {width, height}, {}, false, executor);
-  trail.begin(view.view, view.depth.image(), {width, height}, {}, true, executor);
+  trail.begin({view.view, view.depth.image(), {width, height}, {}, false}, executor);
+  trail.begin({view.view, view.depth.image(), {width, height}, {}, true}, executor);
   EXPECT_TRUE(trail.same_view());
   const uint32_t* row = trail.from(32, 7);
   for (uint32_t i = 0; i < frame_tile_size; ++i) EXPECT_EQ(row[i], 7 * width + 32 + i);
@@ -139,9 +139,9 @@ TEST_P(Trail, stays_only_with_its_surface) {
   PixelTrail trail;
   View view(from({0, 1.5, 0}, GetParam()));
   view.depth.set(33, 7, 0.0f, 0);
-  trail.begin(view.view, view.depth.image(), {width, height}, {}, false, executor);
+  trail.begin({view.view, view.depth.image(), {width, height}, {}, false}, executor);
   view.depth.set(34, 7, 0.9f, 0);
-  trail.begin(view.view, view.depth.image(), {width, height}, {}, true, executor);
+  trail.begin({view.view, view.depth.image(), {width, height}, {}, true}, executor);
   ASSERT_TRUE(trail.same_view());
   EXPECT_NE(*trail.from(32, 7), PixelTrail::nowhere);
   EXPECT_EQ(*trail.from(33, 7), PixelTrail::nowhere) << "empty in both frames";
@@ -154,11 +154,11 @@ TEST_P(Trail, finds_an_edge_beside_the_nearest_pixel) {
   PixelTrail trail;
   const auto is_post = [](const View& view, size_t pixel) { return std::abs(view.points[pixel].z + 3.0) < 1e-3; };
   View then(from({0, 1.5, 0}, GetParam()));
-  trail.begin(then.view, then.depth.image(), {width, height}, {}, false, executor);
+  trail.begin({then.view, then.depth.image(), {width, height}, {}, false}, executor);
   size_t edges = 0;
   for (int f = 1; f <= 6; ++f) {
     const View now(from({0.07 * f, 1.5 + 0.02 * f, -0.05 * f}, GetParam()));
-    trail.begin(now.view, now.depth.image(), {width, height}, {}, true, executor);
+    trail.begin({now.view, now.depth.image(), {width, height}, {}, true}, executor);
     for (size_t pixel = 0; pixel < now.points.size(); ++pixel) {
       const glm::dvec2 place = then.place(now.points[pixel]), part = glm::fract(place);
       const bool is_clear = part.x > 0.01 && part.y > 0.01 && part.x < 0.99 && part.y < 0.99;
@@ -184,9 +184,9 @@ TEST_P(Trail, goes_on_where_the_space_moves) {
   const View then(from(eye, GetParam())), now(from(next, GetParam()));
   PixelTrail stays, moves;
   for (PixelTrail* trail : {&stays, &moves})
-    trail->begin(then.view, then.depth.image(), {width, height}, {}, false, executor);
-  stays.begin(now.view, now.depth.image(), {width, height}, {}, true, executor);
-  moves.begin(from(next - origin, GetParam()), now.depth.image(), {width, height}, origin, true, executor);
+    trail->begin({then.view, then.depth.image(), {width, height}, {}, false}, executor);
+  stays.begin({now.view, now.depth.image(), {width, height}, {}, true}, executor);
+  moves.begin({from(next - origin, GetParam()), now.depth.image(), {width, height}, origin, true}, executor);
   size_t equal = 0;
   for (uint32_t y = 0; y < height; ++y)
     for (uint32_t x = 0; x < width; ++x) equal += *stays.from(x, y) == *moves.from(x, y);
@@ -198,10 +198,10 @@ TEST_P(Trail, takes_a_frame_that_is_begun_twice_once) {
   Executor executor(2);
   PixelTrail trail;
   const View then(from({0, 1.5, 0}, GetParam())), now(from({0.1, 1.5, 0}, GetParam()));
-  trail.begin(then.view, then.depth.image(), {width, height}, {}, false, executor, 1);
-  trail.begin(now.view, now.depth.image(), {width, height}, {}, true, executor, 2);
+  trail.begin({then.view, then.depth.image(), {width, height}, {}, false, 1}, executor);
+  trail.begin({now.view, now.depth.image(), {width, height}, {}, true, 2}, executor);
   const uint64_t step = trail.step();
-  trail.begin(now.view, now.depth.image(), {width, height}, {}, true, executor, 2);
+  trail.begin({now.view, now.depth.image(), {width, height}, {}, true, 2}, executor);
   EXPECT_EQ(trail.step(), step);
   EXPECT_FALSE(trail.same_view());
 }
@@ -213,12 +213,12 @@ TEST_P(Trail, is_not_fooled_by_small_steps) {
   bool moved = false;
   for (int f = 0; f < 40; ++f) {
     const View view(from({1e-6 * f, 1.5, 0}, GetParam()));
-    trail.begin(view.view, view.depth.image(), {width, height}, {}, f > 0, executor);
+    trail.begin({view.view, view.depth.image(), {width, height}, {}, f > 0}, executor);
     moved = moved || (f > 0 && !trail.same_view());
   }
   for (int f = 0; f < 40; ++f) {
     const View view(from({4e-5 + 1e-5 * f, 1.5, 0}, GetParam()));
-    trail.begin(view.view, view.depth.image(), {width, height}, {}, true, executor);
+    trail.begin({view.view, view.depth.image(), {width, height}, {}, true}, executor);
     moved = moved || !trail.same_view();
   }
   EXPECT_TRUE(moved);

@@ -30,7 +30,7 @@ struct Hits {
         rays.push_back({from, 0.0f, glm::normalize(toward + u * across + v * glm::cross(toward, across)), 1e30f});
       }
     std::vector<Hit> hits(rays.size());
-    intersector.nearest_opaque(rays, false, hits.data());
+    intersector.nearest_opaque(rays, {}, hits.data());
     std::vector<HitPlace> places;
     for (size_t i = 0; i < rays.size(); ++i)
       if (hits[i].instance != no_instance) places.push_back({&hits[i], &rays[i], {0.0f, 0.02f}, weight});

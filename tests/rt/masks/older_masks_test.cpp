@@ -217,14 +217,14 @@ TEST_F(OlderMaskFrames, each_pixel_has_the_mask_of_where_it_was) {
   Executor executor(2);
   PixelTrail trail;
   frame(all, SequenceStep::first);
-  trail.begin(view_, depth_.image(), {width, height}, {}, false, executor);
+  trail.begin({view_, depth_.image(), {width, height}, {}, false}, executor);
   size_t carried[2] = {0, 0}, lost = 0;
   for (int f = 1; f <= 12; ++f) {
     const std::vector<uint8_t> then = masks_.lit;
     // First toward the plate's shadow, which comes in at the picture's border, then back.
     look(glm::dvec3(-0.15 * (f <= 8 ? f : 16 - f), 3, 6.0 - 0.1 * f));
     frame(0);
-    trail.begin(view_, depth_.image(), {width, height}, {}, true, executor);
+    trail.begin({view_, depth_.image(), {width, height}, {}, true}, executor);
     for (uint32_t y = 0; y < height; ++y)
       for (uint32_t x = 0; x < width; ++x) {
         const uint32_t from = *trail.from(x, y);
@@ -264,7 +264,7 @@ TEST_F(OlderMaskFrames, tiles_are_known_pixel_by_pixel) {
   PixelTrail trail;
   Executor executor(2);
   const auto follow = [&](bool follows) {
-    trail.begin(view_, depth_.image(), {width, height}, glm::dvec3(0.0), follows, executor);
+    trail.begin({view_, depth_.image(), {width, height}, glm::dvec3(0.0), follows}, executor);
   };
   frame(7, SequenceStep::first);
   follow(false);

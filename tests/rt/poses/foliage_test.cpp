@@ -94,7 +94,7 @@ void take(Intersector& intersector, Foliage& foliage, const std::shared_ptr<cons
 
 std::vector<Hit> nearest(const Intersector& intersector, const std::vector<Ray>& rays) {
   std::vector<Hit> hits(rays.size());
-  intersector.nearest_opaque(rays, false, hits.data(), OpaqueSet::all);
+  intersector.nearest_opaque(rays, {.set = OpaqueSet::all}, hits.data());
   return hits;
 }
 

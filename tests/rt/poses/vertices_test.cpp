@@ -40,8 +40,8 @@ void expect_as_built_anew(const Intersector& kept, const std::shared_ptr<const m
   Intersector fresh("");
   fresh.set_scene(snapshot);
   std::vector<Hit> a(rays.size()), b(rays.size());
-  kept.nearest_opaque(rays, false, a.data(), OpaqueSet::all);
-  fresh.nearest_opaque(rays, false, b.data(), OpaqueSet::all);
+  kept.nearest_opaque(rays, {.set = OpaqueSet::all}, a.data());
+  fresh.nearest_opaque(rays, {.set = OpaqueSet::all}, b.data());
   const auto layers_a = layers_of(kept, rays, 4, false, LayerSet::all_translucent);
   const auto layers_b = layers_of(fresh, rays, 4, false, LayerSet::all_translucent);
   size_t met = 0;

@@ -42,7 +42,7 @@ struct Lamps {
       intersector.nearest_layers(LayerSet::all_translucent, rays, {.coherent = true}, &hit, &count);
       EXPECT_EQ(count, 1u);
     } else {
-      intersector.nearest_opaque(rays, true, &hit);
+      intersector.nearest_opaque(rays, {.coherent = true}, &hit);
       EXPECT_NE(hit.instance, no_instance);
     }
     return surface_point(*shading, hit, rays[0], {0.0f, 0.001f});
