@@ -65,10 +65,10 @@ struct IrradianceTracing::Worker {
   DiffusePaths paths;
   HostShader host;
   std::vector<Ray> rays;
+  std::vector<glm::vec3> path_normals;
   std::vector<Cone> cones;
   std::vector<uint32_t> keys, cells;
-  std::vector<glm::vec3> radiance;
-  std::vector<float> nearness;
+  std::vector<PathLight> light;
   std::vector<Ray> sky_rays, clear_rays;
   std::vector<float> sky_weights;
   std::vector<glm::vec3> directions, normals, sky_light, whole_sky;  // directions of sky_rays, normals there, the sky's
@@ -231,13 +231,14 @@ TraceEnd IrradianceTracing::trace_tile(const Frame& f, Worker& w, uint32_t tile)
   const IrradianceRequest& r = f.request;
   const uint32_t x0 = tile % f.columns * tile_size, y0 = tile / f.columns * tile_size;
   const TileSamples samples({f.seed, sample_purpose, 0, 0, SIDERAY_EXACT}, x0, y0);
-  w.rays.clear(), w.cones.clear(), w.keys.clear(), w.cells.clear();
+  w.rays.clear(), w.path_normals.clear(), w.cones.clear(), w.keys.clear(), w.cells.clear();
   for_cells_of_tile(f.cells, x0, y0, [&](size_t cell) {
     const CellPlace& place = f.cells.places[cell];
     if (!(place.width > 0.0f)) return;
     const uint32_t x = pixels_[cell].x, y = pixels_[cell].y;
     const glm::vec3 direction = frame_about(place.normal) * sample_cosine(samples.at(x, y, 0, 1));
     w.rays.push_back({place.position, place.skip, direction, farthest});
+    w.path_normals.push_back(place.normal);
     w.cones.push_back({place.width, f.view.cone(x, y).spread});
     w.keys.push_back(random_key({pixel_key(f.seed, 0, x, y), path_purpose}));
     w.cells.push_back(static_cast<uint32_t>(cell));
@@ -246,9 +247,8 @@ TraceEnd IrradianceTracing::trace_tile(const Frame& f, Worker& w, uint32_t tile)
   const bool by_host = f.scene.snapshot->shader.shade != nullptr;
   if (by_host) w.host.begin(f.scene, f.intersector, host_calls(r), r.shadows);
   w.paths.begin(f.scene, f.intersector, r.shadows, by_host ? &w.host : nullptr);
-  w.radiance.resize(w.rays.size());
-  w.nearness.resize(w.rays.size());
-  w.paths.follow(w.rays, w.cones, w.keys, w.radiance.data(), w.nearness.data());
+  w.light.resize(w.rays.size());
+  w.paths.follow({w.rays, w.path_normals, w.cones, w.keys}, w.light.data());
   if (by_host && w.host.end != TraceEnd::complete) return w.host.end;
   w.counters.rays_bounce += w.paths.rays;
   w.counters.rays_shadow += w.paths.rays_shadow;
@@ -257,7 +257,8 @@ TraceEnd IrradianceTracing::trace_tile(const Frame& f, Worker& w, uint32_t tile)
   for (size_t i = 0; i < w.cells.size(); ++i) {
     const float rise = glm::dot(w.rays[i].direction, f.cells.places[w.cells[i]].normal);
     const float along = std::sqrt(std::max(1.0f - rise * rise, least_along));
-    w.samples[i] = {.light = w.radiance[i], .nearness = w.nearness[i], .most_near = w.nearness[i] / along};
+    const PathLight& l = w.light[i];
+    w.samples[i] = {.light = l.radiance, .nearness = l.nearness + l.emitter_nearness, .most_near = l.nearness / along};
   }
   if (f.sky) see_sky(f, w);
   for (size_t i = 0; i < w.cells.size(); ++i) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "rt/base/largest.h"
 #include "rt/base/sampling.h"
@@ -10,14 +11,21 @@
 namespace sideray::rt {
 namespace {
 
-constexpr uint32_t direction_purpose = 61, roulette_purpose = 62;
+constexpr uint32_t direction_purpose = 61, roulette_purpose = 62, emitter_purpose = 66;
 constexpr float most_reflected = 0.95f;
 // Roughness of the lobe over which the sky's light is averaged where a ray leaves the scene.
 constexpr float blur_of_open_sky = 0.25f;
 // Smoother surfaces on a path reflect no lamps but by their diffuse part: few paths would meet their highlights, and
 // these would be brighter than all else that the points nearby share.
 constexpr float least_roughness_of_highlights = 0.3f;
+// Probabilities of sampling an emitter for a path's start and for a later point. In the bistro those of 1 are nearer by
+// .005 of .24 FLIP, and add a tenth to the frame instead of a twentieth (docs/adr/0052-light-that-bounces.md).
+constexpr float emitters_at_start = 0.5f, emitters_later = 0.25f;
 constexpr float short_of_hit = 1.0f - 0x1p-16f;
+
+float sum_of(glm::vec3 light) {
+  return light.x + light.y + light.z;
+}
 
 // Returns the surface's reflectance under uniform light.
 glm::vec3 albedo_of(const SurfacePoint& p) {
@@ -42,24 +50,25 @@ void DiffusePaths::begin(const ShadingScene& scene, const Intersector& intersect
   environment_ = {*scene.snapshot->environment, shade_kernels(intersector.isa().c_str())};
   light_.begin(scene, intersector);
   straight_.begin(scene, intersector);
+  emitted_.begin(scene, intersector);
 }
 
-void DiffusePaths::follow(std::span<const Ray> first, std::span<const Cone> cones, std::span<const uint32_t> keys,
-                          glm::vec3* radiance, float* nearness) {
-  std::fill_n(radiance, first.size(), glm::vec3(0.0f));
-  std::fill_n(nearness, first.size(), 0.0f);
+void DiffusePaths::follow(const PathStarts& starts, PathLight* light) {
+  std::fill_n(light, starts.rays.size(), PathLight{});
   paths_.clear();
-  for (uint32_t i = 0; i < first.size(); ++i) paths_.push_back({i, glm::vec3(1.0f), keys[i]});
-  rays_.assign(first.begin(), first.end());
-  cones_.assign(cones.begin(), cones.end());
+  for (uint32_t i = 0; i < starts.rays.size(); ++i)
+    paths_.push_back({i, glm::vec3(1.0f), starts.keys[i], {starts.rays[i].origin, starts.normals[i]}});
+  rays_.assign(starts.rays.begin(), starts.rays.end());
+  cones_.assign(starts.cones.begin(), starts.cones.end());
+  if (samples_emitters()) sample_first_emitters(light);
   hits_.resize(rays_.size());
   intersector_->nearest_opaque(rays_, {}, hits_.data());
   rays += rays_.size();
   for (size_t i = 0; i < hits_.size(); ++i)
-    if (hits_[i].instance != no_instance) nearness[i] = 1.0f / std::max(static_cast<float>(hits_[i].distance), 1e-6f);
+    if (hits_[i].instance != no_instance) light[i].nearness = 1.0f / std::max(static_cast<float>(hits_[i].distance), 1e-6f);
   for (uint32_t bounce = 0; bounce < most_path_surfaces; ++bounce) {
     drop_misses();
-    if (paths_.empty()) return;
+    if (paths_.empty()) break;
     if (straight_.is_tinted()) tint(rays_);
     places_.clear();
     for (size_t i = 0; i < paths_.size(); ++i) places_.push_back({&hits_[i], &rays_[i], cones_[i]});
@@ -72,10 +81,40 @@ void DiffusePaths::follow(std::span<const Ray> first, std::span<const Cone> cone
       choose_ways_on(bounce);
       find_sky();
       shade();
+      if (samples_emitters()) share_emission(bounce);
     }
-    for (size_t i = 0; i < paths_.size(); ++i) radiance[paths_[i].number] += paths_[i].through * light_of_points_[i];
+    for (size_t i = 0; i < paths_.size(); ++i) light[paths_[i].number].radiance += paths_[i].through * light_of_points_[i];
     if (host_) return;
     go_on();
+  }
+  if (!samples_emitters()) return;
+  for (const EmittedLight::Answer& a : emitted_.finish()) light[a.number].radiance += a.light;
+  rays_shadow += std::exchange(emitted_.rays, 0);
+  for (PathLight& l : std::span(light, starts.rays.size()))
+    if (l.emitter_nearness > 0.0f) l.emitter_nearness /= sum_of(l.radiance);
+}
+
+void DiffusePaths::sample_first_emitters(PathLight* light) {
+  if (paths_.empty()) return;
+  emitted_.begin_group(paths_.front().key);
+  for (const Path& path : paths_) emitted_.add(path.from, emitters_at_start, path.through, path.number, path.key);
+  for (const EmittedLight::Answer& a : emitted_.finish()) {
+    light[a.number].radiance = a.light;
+    light[a.number].emitter_nearness = sum_of(a.light) / (emitters_at_start * a.distance);
+  }
+}
+
+// Samples an emitter for each point, and takes the samples' share from the emission of points that are sampled, too.
+void DiffusePaths::share_emission(uint32_t bounce) {
+  for (size_t i = 0; i < paths_.size(); ++i) {
+    const Path& path = paths_[i];
+    const SurfacePoint& p = points_[i];
+    if (scene_->emitters->samples(p.hit)) {
+      const float share = emitted_.share_of_hit(path.from, bounce == 0 ? emitters_at_start : emitters_later, p.hit, rays_[i].direction);
+      light_of_points_[i] -= (1.0f - share) * shading::sr_emitted(p.surface);
+    }
+    emitted_.add({start_of_ray(p), p.geometric_normal}, emitters_later, path.through * albedo_of(p), path.number,
+                 random_key({path.key, emitter_purpose, bounce}));
   }
 }
 
@@ -181,6 +220,7 @@ void DiffusePaths::go_on() {
   for (size_t i = 0; i < next_.size(); ++i) {
     Path path = paths_[next_points_[i]];
     path.through *= reflected_[i];
+    path.from = {next_[i].origin, points_[next_points_[i]].geometric_normal};
     cones_[kept] = points_[next_points_[i]].cone;
     paths_[kept++] = path;
   }

@@ -149,7 +149,7 @@ void LightAround::choose_senders() {
   float weights = 0.0f;
   for (const Point& p : points_) weights += p.around.weight;
   sort_into_cells(std::max(static_cast<size_t>(weights / points_a_path), few_cells));
-  records_.clear(), rays_.clear(), cones_.clear(), keys_.clear();
+  records_.clear(), rays_.clear(), normals_.clear(), cones_.clear(), keys_.clear();
   const std::span<const InCell> all(in_cells_);
   for (size_t first = 0, end = 0; first < all.size(); first = end) {
     while (end < all.size() && all[end].cell == all[first].cell) ++end;
@@ -171,18 +171,18 @@ void LightAround::send_path(const Point& point) {
   const PointAround& p = point.around;
   records_.push_back({.position = p.origin, .normal = p.normal, .width = p.width});
   rays_.push_back({p.origin, 0.0f, frame_about(p.normal) * sample_cosine(point.direction), farthest});
+  normals_.push_back(p.normal);
   cones_.push_back({p.width, 0.0f});
   keys_.push_back(random_key({point.key, position_}));
 }
 
 void LightAround::follow_paths() {
-  radiance_.resize(rays_.size());
-  nearness_.resize(rays_.size());
-  paths_.follow(rays_, cones_, keys_, radiance_.data(), nearness_.data());
+  light_.resize(rays_.size());
+  paths_.follow({rays_, normals_, cones_, keys_}, light_.data());
   for (size_t i = 0; i < records_.size(); ++i) {
     Record& r = records_[i];
-    r.nearness = nearness_[i];
-    r.thrown = radiance_[i];
+    r.nearness = light_[i].nearness + light_[i].emitter_nearness;
+    r.thrown = light_[i].radiance;
   }
   if (environment_) see_sky();
 }
@@ -195,7 +195,7 @@ void LightAround::see_sky() {
   lanes_.specular(directions_, blur_of_sky, sky_.data());
   for (uint32_t i = 0; i < records_.size(); ++i) {
     records_[i].sky = sky_[i];
-    if (nearness_[i] > 0.0f) continue;
+    if (light_[i].nearness > 0.0f) continue;
     records_[i].seen_sky = records_[i].sky;
     clear_.push_back(rays_[i]);
     of_clear_.push_back(i);

@@ -48,7 +48,7 @@ class LightAround {
   struct Record {
     glm::vec3 position, normal;
     float width = 0.0f;     // of a pixel there
-    float nearness = 0.0f;  // 1 / distance of what the path hit
+    float nearness = 0.0f;  // 1 / distance of where its light comes from
     float reach = 0.0f;     // distance within which its light counts as equal
     // Light that the path brought; the sky's light in its direction, and the part of it that arrives.
     glm::vec3 thrown{0.0f}, sky{0.0f}, seen_sky{0.0f};
@@ -80,10 +80,10 @@ class LightAround {
   std::vector<Ray> rays_, clear_;      // clear_: those without an opaque hit
   std::vector<uint32_t> of_clear_;
   uint64_t rays_to_veils_ = 0;
+  std::vector<glm::vec3> normals_;
   std::vector<Cone> cones_;
   std::vector<uint32_t> keys_;
-  std::vector<glm::vec3> radiance_;
-  std::vector<float> nearness_;
+  std::vector<PathLight> light_;
   std::vector<glm::vec3> directions_, sky_;  // directions of rays_, and the sky's light there
   std::vector<ArrivingLight> means_;     // around each of records_
   std::vector<ArrivingLight> arriving_;  // at each point of the batch

@@ -31,6 +31,17 @@ MediumStack media_before(std::span<const StraightSurface> met) {
   return begun;
 }
 
+// Returns how much of a lamp's light the solid around it, where the ray ends, reflects from wall to wall: a frosted bulb
+// sends that out as if it came from the lamp. 0 if the ray ends in no solid that it enters.
+glm::vec3 scattered_around_end(std::span<const StraightSurface> met) {
+  for (size_t i = met.size(); i-- > 0;) {
+    const StraightSurface& s = met[i];
+    const auto leaves = [&](const StraightSurface& later) { return later.hit.instance == s.hit.instance && !later.hit.front; };
+    if (s.solid && s.hit.front && std::none_of(met.begin() + static_cast<ptrdiff_t>(i) + 1, met.end(), leaves)) return s.scattered;
+  }
+  return glm::vec3(0.0f);
+}
+
 glm::vec3 faded(glm::vec3 absorption, float distance) {
   glm::vec3 through(1.0f);
   for (int c = 0; c < 3; ++c)
@@ -100,7 +111,7 @@ StraightSurface straight_surface(const RefractionScene& media, const SurfacePoin
   const float across = std::max(std::abs(glm::dot(p.geometric_normal, p.to_eye)), least_cosine);
   const bool multiplies = p.blend == SIDERAY_BLEND_MULTIPLY;
   return {p.hit, is_solid(media, p.hit), cosine, skin_offsets * p.offset / across, p.blended.through,
-          inner_of(p.surface), edge_of(p.surface), multiplies ? 0.0f : p.surface.alpha};
+          inner_of(p.surface), edge_of(p.surface), multiplies ? 0.0f : p.surface.alpha, scattered_by(p.surface)};
 }
 
 glm::vec3 straight_transmittance(const RefractionScene& media, std::span<const StraightSurface> met, float length,
@@ -166,6 +177,7 @@ void StraightLight::follow(std::span<const Ray> rays) {
     const std::span<const StraightSurface> on_ray(met_.data() + first, found_.ends[r] - first);
     if (on_ray.empty()) continue;
     through_[r] = straight_transmittance(*scene_->glass, on_ray, rays[r].t_far);
+    if (rays[r].t_far < 0.5f * farthest) through_[r] *= 1.0f + scattered_around_end(on_ray);
     if (through_[r] != glm::vec3(1.0f)) distance_[r] = static_cast<float>(on_ray.front().hit.distance);
   }
 }
@@ -213,7 +225,8 @@ void StraightLight::take(const Ray& ray, std::span<const Hit> hits) {
     // A perturbed normal may point beyond the horizon; the cosine is then 0.
     const float cosine = std::clamp(glm::dot(hit.front ? -normal : normal, ray.direction), 0.0f, 1.0f);
     const float skin = skin_offsets * rounding * largest_coordinate(instance.bounds) / std::max(cosine, least_cosine);
-    met_.push_back({hit, solid, cosine, skin, plain.at(cosine), plain.inner, plain.edge, plain.cover});
+    met_.push_back({hit, solid, cosine, skin, plain.at(cosine), plain.inner, plain.edge, plain.cover,
+                    plain.scattered});
   }
 }
 

@@ -2,7 +2,8 @@
 // of drawing that traces rays. It is the product of each surface's transmittance, by the Fresnel term at the ray's
 // angle, and the absorption of solids between entry and exit. Through parallel faces Fresnel's terms are those of a
 // refracted ray, which has the same angle outside, but the straight way between them is longer (by 1.6 at 60 degrees in
-// glass). A straight ray is never totally reflected, but transmits nothing at grazing angles.
+// glass). A straight ray is never totally reflected, but transmits nothing at grazing angles. A lamp in a
+// frosted solid is brighter by what the walls reflect once.
 // It has scratch memory: one object per thread.
 #pragma once
 
@@ -30,6 +31,7 @@ struct StraightSurface {
   // Between two media that are not air, the transmittance is 1 - cover + cover * inner * (1 - edge * Fresnel's term).
   glm::vec3 inner, edge;
   float cover;
+  glm::vec3 scattered;  // what its diffuse and rough lobes reflect of light from inside
 };
 // `point`: for a solid, a surface of `media.surfaces`, whose tint has no absorption; otherwise a surface of the scene.
 StraightSurface straight_surface(const RefractionScene& media, const SurfacePoint& point);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "rt/reference/beams.h"
-#include "rt/reference/emitters.h"
+#include "rt/light/emitters.h"
 #include "rt/reference/lamp_guide.h"
 #include "rt/reference/light_way.h"
 #include "rt/reference/reference_lobes.h"

@@ -5,6 +5,7 @@
 
 #include "model/failure.h"
 #include "model/stopwatch.h"
+#include "rt/light/emitters.h"
 #include "rt/poses/particle_quads.h"
 #include "rt/surfaces/media.h"
 
@@ -51,10 +52,10 @@ void TracedScene::set_glass_shadows(bool on) {
 }
 
 void TracedScene::light(const std::shared_ptr<const model::Snapshot>& snapshot) {
-  if (glass_shadows_)
-    scene_ = lit_scene(snapshot);
-  else
-    scene_ = std::make_unique<const ShadingScene>(snapshot);
+  auto scene = glass_shadows_ ? lit_scene(snapshot) : std::make_unique<ShadingScene>(snapshot);
+  if (!emitters_ || !emitters_->is_alike(*snapshot)) emitters_ = std::make_shared<const EmitterSampler>(snapshot);
+  scene->emitters = emitters_;
+  scene_ = std::move(scene);
 }
 
 const std::vector<uint8_t>& TracedScene::culled() {

@@ -19,6 +19,9 @@ bool varies(const std::vector<TextureRead>& reads) {
   });
 }
 
+// Lobes up to this roughness are mirrors.
+constexpr float smooth = 0.04f;
+
 }  // namespace
 
 bool MediumStack::contains(uint32_t instance) const {
@@ -57,7 +60,7 @@ RefractionScene::RefractionScene(std::shared_ptr<const model::Snapshot> committe
   surfaces.records = make_records(*surfaces.snapshot, surfaces.materials, surfaces.fixed_materials, surfaces.textures);
 }
 
-std::unique_ptr<const ShadingScene> lit_scene(const std::shared_ptr<const model::Snapshot>& snapshot) {
+std::unique_ptr<ShadingScene> lit_scene(const std::shared_ptr<const model::Snapshot>& snapshot) {
   auto scene = std::make_unique<ShadingScene>(snapshot);
   const bool tinted = std::any_of(snapshot->instances.begin(), snapshot->instances.end(), [&](const model::Instance& i) {
     return model::tints_light(snapshot->materials[i.material], i);
@@ -88,6 +91,7 @@ void RefractionScene::find_plain(const ShadingScene& scene) {
     const shading::SrSurface s = plain_surface(scene, m, 1.0f, !solid);
     plain.inner = inner_of(s);
     plain.edge = edge_of(s);
+    plain.scattered = scattered_by(s);
     plain.cover = snapshot.materials[m].desc.blend_mode == SIDERAY_BLEND_MULTIPLY ? 0.0f : s.alpha;
   }
 }
@@ -96,9 +100,14 @@ glm::vec3 inner_of(const shading::SrSurface& s) {
   return s.tint * (s.below_sheen * (1.0f - s.coat_share));
 }
 
+glm::vec3 scattered_by(const shading::SrSurface& s) {
+  glm::vec3 reflected = s.diffuse * shading::sr_diffuse_share(s, 1.0f);
+  if (s.roughness > smooth) reflected += shading::sr_specular_albedo(s);
+  return glm::clamp(s.alpha * reflected, 0.0f, 1.0f);
+}
+
 // As in set_reflectance(): a rough lobe reflects its albedo, and a smooth one its Fresnel term.
 glm::vec3 edge_of(const shading::SrSurface& s) {
-  constexpr float smooth = 0.04f;
   const float kept = s.albedo_terms.x + s.albedo_terms.y;
   return s.roughness > smooth ? s.f90 : s.f90 / std::clamp(kept, 0.05f, 1.0f);
 }

@@ -44,7 +44,7 @@ struct PlainGlass {
   static constexpr uint32_t steps = 256;  // of the cosine; linear between them, to 1e-4
   std::vector<glm::vec3> through;         // transmittance between air and the medium; empty if the surface is textured
                                           // or has vertex colours
-  glm::vec3 inner, edge;                  // StraightSurface's
+  glm::vec3 inner, edge, scattered;       // StraightSurface's
   float cover;
 
   glm::vec3 at(float cosine) const {
@@ -91,7 +91,7 @@ struct RefractionScene {
 };
 
 // Returns the snapshot's scene, with `glass` set if anything translucent casts a shadow.
-std::unique_ptr<const ShadingScene> lit_scene(const std::shared_ptr<const model::Snapshot>& snapshot);
+std::unique_ptr<ShadingScene> lit_scene(const std::shared_ptr<const model::Snapshot>& snapshot);
 
 // Keeps the refracted scene of the last requested snapshot. One thread at a time may call it.
 class KeptRefractionScene {
@@ -125,6 +125,8 @@ Crossing cross(const RefractionScene& scene, const Hit& hit, bool from_eye, Medi
 glm::vec3 edge_of(const shading::SrSurface& surface);
 // Returns the tint of the light that is not reflected.
 glm::vec3 inner_of(const shading::SrSurface& surface);
+// Returns StraightSurface::scattered.
+glm::vec3 scattered_by(const shading::SrSurface& surface);
 
 // Returns the Fresnel reflectance of unpolarized light; `cosine` is on the side of the lower index.
 float dielectric_reflectance(float cosine, float ior_from, float ior_to);

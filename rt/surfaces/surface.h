@@ -17,6 +17,7 @@
 namespace sideray::rt {
 
 struct RefractionScene;
+class EmitterSampler;
 
 // Holds a snapshot with its materials and lights in the shading model's structs.
 struct ShadingScene {
@@ -32,6 +33,8 @@ struct ShadingScene {
   SceneRecords records;                            // the same for kernels
   // Is set if anything translucent casts a shadow (model::tints_light()): the media that light passes. Otherwise null.
   std::shared_ptr<const RefractionScene> glass;
+  // Samples the emissive surfaces by which surfaces light each other; null: only random rays find those.
+  std::shared_ptr<const EmitterSampler> emitters;
 };
 
 // Returns the factors of dst = radiance * cover + dst * through.

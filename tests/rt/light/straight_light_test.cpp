@@ -84,6 +84,23 @@ TEST(StraightLight, ToALampInTheGlassCountsTheWayInIt) {
   expect_light(lit.through(upward(0, 3.0f, 1.5f)), 0.96 * kept(0.5), "lamp inside");
 }
 
+// What a wall reflects of the lamp's light leaves on the other side. It does not come from lamps in front of or behind it.
+TEST(StraightLight, FrostedSolidsScatterTheLampInside) {
+  sideray_material_desc frosted = solid_glass(1.5f);
+  frosted.roughness = 0.0f;
+  frosted.transmission = 0.4f;
+  frosted.base_color[1] = 0.5f;
+  TestScene scene;
+  add_slab(scene, 2.0, frosted);
+  Lit lit(scene);
+  const glm::dvec3 base(1.0, 0.5, 1.0), passed = 0.96 * 0.4 * base, scattered = 0.96 * 0.6 * base;
+  expect_light(lit.through(upward(0, 3.0f, 0.5f)), glm::dvec3(1.0), "lamp in front");
+  expect_light(lit.through(upward(0, 3.0f, 1.5f)), passed * (1.0 + scattered), "lamp inside");
+  expect_light(lit.through(upward(0, 3.0f, 9.0f)), passed * passed, "lamp behind");
+  expect_light(lit.through(upward(0, 3.0f)), passed * passed, "sky");
+  expect_light(lit.through(upward(0, 1.0f, 0.5f)), glm::dvec3(1.0), "both inside");
+}
+
 TEST(StraightLight, RaysThatBeginInGlassLeaveOneFace) {
   TestScene scene;
   add_slab(scene, 2.0, coloured_glass());

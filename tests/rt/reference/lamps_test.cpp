@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "rt/reference/emitters.h"
+#include "rt/light/emitters.h"
 #include "rt/reference/lamp_guide.h"
 #include "rt/refraction/refraction_scene.h"
 

@@ -44,6 +44,8 @@ class EmitterSampler {
 
   bool empty() const { return triangles_.empty(); }
   bool is_of(const std::shared_ptr<const model::Snapshot>& snapshot) const { return snapshot_ == snapshot; }
+  // Returns whether the same surfaces emit in the snapshot, so that the sampler is right for it, too.
+  bool is_alike(const model::Snapshot& snapshot) const { return shining_ == shining_in(snapshot); }
 
  private:
   struct Triangle {
@@ -65,8 +67,18 @@ class EmitterSampler {
   struct Building;
   struct Box;
   struct Bin;
+  // Describes an emissive instance.
+  struct Shining {
+    uint32_t instance;
+    std::shared_ptr<const model::Mesh> mesh;
+    glm::mat4x3 local_from_object;
+    float brightness;
+    bool two_sided, mirrored;
+    bool operator==(const Shining&) const = default;
+  };
+  static std::vector<Shining> shining_in(const model::Snapshot& snapshot);
 
-  void add(const model::Snapshot& snapshot, uint32_t instance);
+  void add(const Shining& shining);
   void build(Building& building, uint32_t node, uint32_t first, uint32_t count);
   static void bound(Node& node, std::span<const Triangle> triangles, std::span<const uint32_t> order);
   void make_leaf(uint32_t node, std::span<const Triangle> triangles, std::span<const uint32_t> order);
@@ -78,6 +90,7 @@ class EmitterSampler {
   float density(uint32_t triangle, float chance, glm::vec3 direction, float distance) const;
 
   std::shared_ptr<const model::Snapshot> snapshot_;
+  std::vector<Shining> shining_;
   std::vector<Triangle> triangles_;  // contiguous for each leaf
   std::vector<Node> nodes_;          // the first is the root
   std::vector<uint32_t> first_;      // by instance: its first entry in of_primitive_, or none

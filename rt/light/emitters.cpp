@@ -1,4 +1,4 @@
-#include "rt/reference/emitters.h"
+#include "rt/light/emitters.h"
 
 #include <algorithm>
 #include <array>
@@ -111,7 +111,8 @@ uint32_t EmitterSampler::best_border(std::span<const Bin> binned) {
 
 EmitterSampler::EmitterSampler(std::shared_ptr<const model::Snapshot> snapshot) : snapshot_(std::move(snapshot)) {
   first_.assign(snapshot_->instances.size(), none);
-  for (uint32_t i = 0; i < first_.size(); ++i) add(*snapshot_, i);
+  shining_ = shining_in(*snapshot_);
+  for (const Shining& shining : shining_) add(shining);
   Building building{std::move(triangles_), {}};
   triangles_.clear();
   building.order.resize(building.triangles.size());
@@ -122,27 +123,35 @@ EmitterSampler::EmitterSampler(std::shared_ptr<const model::Snapshot> snapshot) 
   build(building, 0, 0, static_cast<uint32_t>(building.order.size()));
 }
 
-void EmitterSampler::add(const model::Snapshot& snapshot, uint32_t i) {
-  const model::Instance& instance = snapshot.instances[i];
-  const float bright = brightness(snapshot, instance);
-  if (!(bright > 0.0f) || !std::isfinite(bright)) return;
-  const model::Mesh& mesh = *snapshot.meshes[instance.mesh];
-  // A solid's far wall is visible through its near one.
-  const model::Material& material = snapshot.materials[instance.material];
-  const bool two_sided = !material.cull_back || model::has_volume(material.desc);
-  first_[i] = static_cast<uint32_t>(of_primitive_.size());
+std::vector<EmitterSampler::Shining> EmitterSampler::shining_in(const model::Snapshot& snapshot) {
+  std::vector<Shining> shining;
+  for (uint32_t i = 0; i < snapshot.instances.size(); ++i) {
+    const model::Instance& instance = snapshot.instances[i];
+    const float bright = brightness(snapshot, instance);
+    if (!(bright > 0.0f) || !std::isfinite(bright)) continue;
+    // A solid's far wall is visible through its near one.
+    const model::Material& material = snapshot.materials[instance.material];
+    const bool two_sided = !material.cull_back || model::has_volume(material.desc);
+    shining.push_back({i, snapshot.meshes[instance.mesh], instance.local_from_object, bright, two_sided, instance.mirrored});
+  }
+  return shining;
+}
+
+void EmitterSampler::add(const Shining& s) {
+  const model::Mesh& mesh = *s.mesh;
+  first_[s.instance] = static_cast<uint32_t>(of_primitive_.size());
   of_primitive_.resize(of_primitive_.size() + mesh.triangles.size(), none);
   const auto place = [&](uint32_t vertex) {
-    return glm::vec3(instance.local_from_object * glm::vec4(mesh.positions[vertex], 1.0f));
+    return glm::vec3(s.local_from_object * glm::vec4(mesh.positions[vertex], 1.0f));
   };
   for (uint32_t primitive = 0; primitive < mesh.triangles.size(); ++primitive) {
     const glm::uvec3 t = mesh.triangles[primitive];
     const glm::vec3 corner = place(t.x), edge1 = place(t.y) - corner, edge2 = place(t.z) - corner;
     const glm::vec3 across = glm::cross(edge1, edge2);
-    const float area2 = glm::length(across), power = 0.5f * area2 * bright;
+    const float area2 = glm::length(across), power = 0.5f * area2 * s.brightness;
     if (!(power > 0.0f) || !std::isfinite(power)) continue;
-    const glm::vec3 normal = instance.mirrored ? -across / area2 : across / area2;
-    triangles_.push_back({corner, edge1, edge2, normal, 0.5f * area2, power, i, primitive, 0, two_sided});
+    const glm::vec3 normal = s.mirrored ? -across / area2 : across / area2;
+    triangles_.push_back({corner, edge1, edge2, normal, 0.5f * area2, power, s.instance, primitive, 0, s.two_sided});
   }
 }
 
@@ -326,7 +335,7 @@ EmitterSampler::Sample EmitterSampler::sample(const LitPoint& p, float choice, g
 }
 
 bool EmitterSampler::samples(const Hit& hit) const {
-  if (triangles_.empty() || first_[hit.instance] == none) return false;
+  if (hit.instance >= first_.size() || first_[hit.instance] == none) return false;
   const uint32_t index = of_primitive_[first_[hit.instance] + hit.primitive];
   return index != none && (hit.front || triangles_[index].two_sided);
 }
