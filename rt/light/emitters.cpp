@@ -109,9 +109,9 @@ uint32_t EmitterSampler::best_border(std::span<const Bin> binned) {
   return border;
 }
 
-EmitterSampler::EmitterSampler(std::shared_ptr<const model::Snapshot> snapshot) : snapshot_(std::move(snapshot)) {
-  first_.assign(snapshot_->instances.size(), none);
-  shining_ = shining_in(*snapshot_);
+EmitterSampler::EmitterSampler(const model::Snapshot& snapshot) {
+  first_.assign(snapshot.instances.size(), none);
+  shining_ = shining_in(snapshot);
   for (const Shining& shining : shining_) add(shining);
   Building building{std::move(triangles_), {}};
   triangles_.clear();

@@ -23,9 +23,9 @@ struct LitPoint {
 class EmitterSampler {
  public:
   EmitterSampler() = default;
-  // Keeps the snapshot alive. Surfaces with holes, and those invisible in reflections, are left out: only random rays
-  // find them.
-  explicit EmitterSampler(std::shared_ptr<const model::Snapshot> snapshot);
+  // Keeps the emitters' meshes alive, not the snapshot, because it may serve later ones. Surfaces with holes, and those
+  // invisible in reflections, are left out: only random rays find them.
+  explicit EmitterSampler(const model::Snapshot& snapshot);
 
   struct Sample {
     Hit hit;         // as a ray from the point would return it
@@ -43,7 +43,6 @@ class EmitterSampler {
   bool samples(const Hit& hit) const;
 
   bool empty() const { return triangles_.empty(); }
-  bool is_of(const std::shared_ptr<const model::Snapshot>& snapshot) const { return snapshot_ == snapshot; }
   // Returns whether the same surfaces emit in the snapshot, so that the sampler is right for it, too.
   bool is_alike(const model::Snapshot& snapshot) const { return shining_ == shining_in(snapshot); }
 
@@ -89,7 +88,6 @@ class EmitterSampler {
   float chance(uint32_t triangle, const LitPoint& point) const;
   float density(uint32_t triangle, float chance, glm::vec3 direction, float distance) const;
 
-  std::shared_ptr<const model::Snapshot> snapshot_;
   std::vector<Shining> shining_;
   std::vector<Triangle> triangles_;  // contiguous for each leaf
   std::vector<Node> nodes_;          // the first is the root

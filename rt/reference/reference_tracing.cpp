@@ -289,7 +289,7 @@ const RefractionScene* ReferenceTracing::refracted(const ReferenceScene& scene, 
 }
 
 const EmitterSampler& ReferenceTracing::emitters(const ReferenceScene& scene, uint32_t bounces) {
-  if (bounces != 1 && !emitters_.is_of(scene.scene->snapshot)) emitters_ = EmitterSampler(scene.scene->snapshot);
+  if (bounces != 1 && !emitters_.is_alike(*scene.scene->snapshot)) emitters_ = EmitterSampler(*scene.scene->snapshot);
   return emitters_;
 }
 

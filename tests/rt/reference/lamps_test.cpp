@@ -165,7 +165,7 @@ TEST(Lamps, DensitiesAreThoseOfTheSamples) {
     scene.quad(4.0f * glm::vec3(uniform(random), uniform(random), uniform(random)),
                0.2f * glm::vec3(uniform(random), uniform(random), 1), 0.2f * glm::vec3(1, uniform(random), uniform(random)), m);
   }
-  const EmitterSampler emitters(scene.commit());
+  const EmitterSampler emitters(*scene.commit());
   for (int k = 0; k < 20; ++k) {
     const LitPoint point{3.0f * glm::vec3(uniform(random), uniform(random), uniform(random)),
                          glm::normalize(glm::vec3(uniform(random), uniform(random), uniform(random))), k % 3 == 0};
