@@ -52,6 +52,8 @@ struct FramePlan {
   bool without_color;  // nothing is lit or averaged
   bool ground_truth;   // its channels are shown, by separate rays
   bool masks_shadows() const { return masks.shadow_lights != 0 || masks.combined_lights; }
+  // Where rays shadow opaque surfaces, maps would tint the light on translucent ones alone, at the cost of many lamps.
+  bool draws_tint_maps() const { return glass_shadows && !masks_shadows(); }
   bool masks_occlusion() const { return masks_shadows() || masks.ao_rays != 0; }
   uint32_t shadow_masks() const {
     return static_cast<uint32_t>(std::popcount(masks.shadow_lights)) + (masks.combined_lights ? 1u : 0u);

@@ -113,7 +113,7 @@ void add_shadow_maps(const model::Snapshot& snapshot, const FramePlan& plan, Tex
   };
   add("shadow_map.directional", maps.directional_size, maps.directional_layers);
   add("shadow_map.local", maps.local_size, maps.local_layers);
-  if (!plan.glass_shadows) return;
+  if (!plan.draws_tint_maps()) return;
   add_tints("tint_map.directional", maps.directional_size, maps.directional_layers);
   add_tints("tint_map.local", maps.local_size, maps.local_layers);
 }

@@ -273,6 +273,17 @@ TEST_F(Plan, ListsTheScenesOwnTextures) {
     EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
 }
 
+TEST_F(Plan, TintMapsAreOnlyMadeWhereNoMasksHoldTheTints) {
+  const auto has_tint_maps = [&](const char* options) {
+    const json planned = bounded("solids --size 64x36 " + std::string(options));
+    return std::ranges::any_of(planned["textures"], [](const json& texture) {
+      return texture["name"].get<std::string>().starts_with("tint_map");
+    });
+  };
+  EXPECT_TRUE(has_tint_maps("--shadows map"));
+  EXPECT_FALSE(has_tint_maps("--shadows inexact"));
+}
+
 TEST_F(Plan, AgreesWithTheCounters) {
   expect_agreement("empty --size 96x54");
   expect_agreement("panes --size 96x54");
