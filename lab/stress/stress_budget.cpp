@@ -4,6 +4,8 @@
 // a view at rest, as each frame does without a budget. So the picture may converge K times more slowly, a turn later,
 // but must not be more wrong than that. The same holds in turns: a budget too short for any job traces one piece of one
 // job a frame, whatever the clock says.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -231,7 +233,7 @@ void test_change(StressStage& stage, const Change& change, std::vector<StressRow
       if (n > most_turns) break;
       double slow = 0;
       for (size_t k = n - 2; k < full.after.size(); ++k) slow = std::max(slow, flip(full.after[k], truth));
-      add("FLIP beyond that of full tracing, as many times slower and a turn later, after " + std::to_string(n) + " turns",
+      add(fmt::format("FLIP beyond that of full tracing, as many times slower and a turn later, after {} turns", n),
           flip(budgeted.after[n * slower], truth) - slow);
     }
   }
