@@ -52,7 +52,8 @@ struct FramePlan {
   bool without_color;  // nothing is lit or averaged
   bool ground_truth;   // its channels are shown, by separate rays
   bool masks_shadows() const { return masks.shadow_lights != 0 || masks.combined_lights; }
-  // Where rays shadow opaque surfaces, maps would tint the light on translucent ones alone, at the cost of many lamps.
+  // Masks hold the tints of opaque surfaces. Beside them, maps would tint only the light on translucent surfaces, and the
+  // maps of many lamps cost more than that shows.
   bool draws_tint_maps() const { return glass_shadows && !masks_shadows(); }
   bool masks_occlusion() const { return masks_shadows() || masks.ao_rays != 0; }
   uint32_t shadow_masks() const {

@@ -42,7 +42,7 @@ struct NearestBlock {
   void finish(const CandidateBlock& planes);
 };
 
-// Where the hits of rays go: those of ray i from hits[i * rules.kept] on, counts[i] of them.
+// Names where hits are written: ray i has counts[i] hits, from hits[i * rules.kept] on.
 struct PacketHits {
   Hit* hits;
   uint32_t* counts;

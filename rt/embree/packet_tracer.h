@@ -29,7 +29,7 @@ inline LayerRules rules_of(uint32_t layers, bool cull, const AlphaCone& cone) {
   return {.layers = layers, .kept = layers, .cull = cull, .cone = cone};
 }
 
-// What packets are traced through: the instances of an acceleration structure that the mask selects.
+// Selects by a mask the instances of an acceleration structure that packets are traced through.
 struct MaskedInstances {
   const TraceTable& table;
   const TopLevel& top;

@@ -163,8 +163,8 @@ TEST(FrameBudgets, KeepTimeForWhatComesBehindRays) {
   }
 }
 
-// What a job takes with rays does not count twice: two jobs that take nine tenths of a budget without any have the rest,
-// although slow frames left no time for rays before.
+// Two jobs that take nine tenths of a budget without rays get the rest for rays, although slow frames left no time for
+// them before: the time of a starved turn must not count as fixed cost.
 TEST(FrameBudgets, RecoverFromSlowFrames) {
   constexpr int slow_frames = 4, most_frames = 300;
   rt::Counters unfinished;

@@ -84,7 +84,8 @@ TEST(StraightLight, ToALampInTheGlassCountsTheWayInIt) {
   expect_light(lit.through(upward(0, 3.0f, 1.5f)), 0.96 * kept(0.5), "lamp inside");
 }
 
-// What a wall reflects of the lamp's light leaves on the other side. It does not come from lamps in front of or behind it.
+// The wall's reflection of the lamp's light leaves on the other side, but only if the lamp is inside the solid, not in
+// front of it or behind it.
 TEST(StraightLight, FrostedSolidsScatterTheLampInside) {
   sideray_material_desc frosted = solid_glass(1.5f);
   frosted.roughness = 0.0f;
