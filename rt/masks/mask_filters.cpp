@@ -18,7 +18,6 @@ namespace {
 // A point's ambient occlusion is blurred over about the distance of its occluders.
 constexpr float open_tangent = 1.0f;
 
-
 template <typename Work>
 void for_rows(Executor& executor, uint32_t height, const Work& work) {
   constexpr uint32_t rows = 16;
@@ -131,6 +130,8 @@ bool FilterFrames::follows(uint64_t& last, SequenceStep step) const {
   const uint64_t expected = step == SequenceStep::again ? number_ : number_ - 1;
   return std::exchange(last, number_) == expected && follows();
 }
+
+namespace {
 
 // Returns for each of the filters' tiles whether a tint there may differ from 1.
 std::vector<uint8_t> tint_seen(const OcclusionMasks& masks, uint32_t place) {
@@ -337,108 +338,148 @@ void calm(Executor& executor, const FilterFrame& frame, const std::vector<std::p
   });
 }
 
-// Holds the inputs of a frame's filters.
-struct MaskFilters::Frame {
-  std::vector<ShadowFilter*> filters;
-  std::vector<ShadowFilterInput> inputs;
-  std::vector<uint8_t*> masks;
-  std::deque<std::vector<uint8_t>> seen;  // of tints
-  std::vector<uint32_t> grey;             // places with grey tints: one channel is filtered for all three
-  std::vector<std::pair<uint32_t, uint32_t>> tints;  // filtered places and channels
+}  // namespace
+
+// Collects the masks that one frame filters, then filters them.
+class MaskFilters::Frame {
+ public:
+  // All arguments must outlive the object.
+  Frame(MaskFilters& filters, const MaskRequest& request, OcclusionMasks& masks)
+      : filters_(filters),
+        request_(request),
+        masks_(masks),
+        pixels_(size_t{masks.width} * masks.height),
+        tiles_(size_t{masks.filter_columns()} * masks.filter_rows()),
+        averaged_(is_averaged(request)),
+        traced_(request.traced ? *request.traced : TracedTiles{}) {}
+
+  void add_lights(const model::Snapshot& snapshot) {
+    if (masks_.filter_distance.empty()) return;
+    const std::vector<uint32_t> lights = lights_of(request_.shadow_lights);
+    if (!lights.empty() && filters_.lights_.size() <= lights.back()) filters_.lights_.resize(lights.back() + 1);
+    const bool inexact = is_random(request_.inexact, request_.inexact_bits);
+    for (size_t layer = 0; layer < lights.size(); ++layer) {
+      const model::Light& light = snapshot.lights[lights[layer]];
+      if (is_filtered(light, inexact))
+        add_light(layer, filter_light(light, filters_.frames_.camera()), filters_.lights_[lights[layer]]);
+    }
+    if (request_.combined_lights) add_light(lights.size(), filter_sky(), filters_.combined_);
+  }
+
+  void add_sky() {
+    const size_t last = masks_.layers - size_t{1};
+    if (request_.unhidden_sky && !masks_.filter_distance.empty())
+      add_unless_kept(last, filter_sky(), {lit(last), distances(last), {}, traced_.of_sky}, filters_.unhidden_);
+    if (!masks_.open_distance.empty())
+      add_unless_kept(masks_.layers, filter_sky(), {masks_.open, masks_.open_distance, {}, traced_.of_sky},
+                      filters_.open_);
+  }
+
+  void run(Executor& executor) {
+    const bool averaged = filters_.frames_.follows() && averaged_;
+    ShadowFilter::spatial(executor, shadow_filters_, inputs_, averaged);
+    for (size_t i = 0; averaged && i < inputs_.size(); ++i)
+      shadow_filters_[i]->temporal(executor, inputs_[i], request_.sequence == SequenceStep::again);
+    ShadowFilter::store(executor, shadow_filters_, results_, averaged);
+    calm(executor, filters_.frame_, tints_, traced_.of_lights, masks_);
+    for (const uint32_t place : grey_)
+      for (const uint32_t c : {1u, 2u})
+        std::ranges::copy(masks_.tint_plane(place, 0), masks_.tint_plane(place, c).begin());
+  }
+
+ private:
+  // Holds fields of ShadowFilterInput.
+  struct Mask {
+    std::span<uint8_t> mask;
+    std::span<const float> hit_distance;
+    std::span<const uint8_t> seen, unfiltered;
+  };
+
+  bool is_kept(size_t layer) const { return request_.kept && request_.kept->keeps(static_cast<uint32_t>(layer)); }
+  std::span<uint8_t> lit(size_t layer) const { return {&masks_.lit[layer * pixels_], pixels_}; }
+  std::span<const float> distances(size_t layer) const { return {&masks_.filter_distance[layer * pixels_], pixels_}; }
+
+  void add_light(size_t layer, const shading::SfLight& light, LightFilters& filters) {
+    const std::span<const uint8_t> seen(&masks_.seen[layer * tiles_], tiles_);
+    add_unless_kept(layer, light, {lit(layer), distances(layer), seen, traced_.of_lights}, filters.shadow);
+    if (masks_.tints > 0 && !masks_.tint_distance.empty()) add_tints(layer, light, filters.tints);
+  }
+
+  void add_tints(size_t layer, const shading::SfLight& light, std::array<MaskFilter, 3>& filters) {
+    const uint32_t place = masks_.tint_places[layer];
+    if (place == 0) return;
+    if (is_kept(layer)) {
+      for (MaskFilter& filter : filters)
+        if (filter.last_frame != 0) keep(filter);
+      return;
+    }
+    if (!masks_.tint_lasts[place - 1] && !masks_.is_tinted(place)) return;
+    const bool coloured = masks_.tint_coloured[place - 1];
+    if (!coloured) {
+      grey_.push_back(place);
+      filters[1].last_frame = filters[2].last_frame = 0;
+    }
+    const std::span<const float> distance(&masks_.tint_distance[(place - 1) * pixels_], pixels_);
+    const std::span<const uint8_t> seen = seen_.emplace_back(tint_seen(masks_, place));
+    for (uint32_t c = 0; c < (coloured ? 3u : 1u); ++c) {
+      tints_.emplace_back(place, c);
+      add(light, {masks_.tint_plane(place, c), distance, seen, traced_.of_lights}, filters[c]);
+    }
+  }
+
+  void add_unless_kept(size_t layer, const shading::SfLight& light, const Mask& mask, MaskFilter& filter) {
+    if (is_kept(layer))
+      keep(filter);
+    else
+      add(light, mask, filter);
+  }
+
+  // Makes the filter's last result count for this frame too.
+  void keep(MaskFilter& filter) const { filters_.frames_.follows(filter.last_frame, request_.sequence); }
+
+  void add(const shading::SfLight& light, const Mask& mask, MaskFilter& filter) {
+    const FilterFrame& frame = filters_.frame_;
+    const bool follows = filters_.frames_.follows(filter.last_frame, request_.sequence) && averaged_;
+    if (!averaged_) filter.last_frame = 0;  // so that the next frame has no history
+    if (!follows) filter.filter.reset();
+    if (follows && request_.sequence == SequenceStep::next) filter.filter.follow(light, frame.depth_before);
+    shadow_filters_.push_back(&filter.filter);
+    results_.push_back(mask.mask.data());
+    inputs_.push_back({.width = frame.width,
+                       .height = frame.height,
+                       .visibility = {},
+                       .hit_distance = mask.hit_distance,
+                       .depth = frame.depth,
+                       .motion = request_.motion.empty() ? std::span<const glm::vec2>(frame.motion) : request_.motion,
+                       .view = frame.view,
+                       .light = light,
+                       .mask = mask.mask,
+                       .seen = mask.seen,
+                       .unfiltered = mask.unfiltered});
+  }
+
+  MaskFilters& filters_;
+  const MaskRequest& request_;
+  OcclusionMasks& masks_;
+  const size_t pixels_, tiles_;
+  const bool averaged_;
+  const TracedTiles traced_;
+  std::vector<ShadowFilter*> shadow_filters_;
+  std::vector<ShadowFilterInput> inputs_;
+  std::vector<uint8_t*> results_;
+  std::deque<std::vector<uint8_t>> seen_;  // of tints
+  std::vector<uint32_t> grey_;             // places with grey tints: one channel is filtered for all three
+  std::vector<std::pair<uint32_t, uint32_t>> tints_;  // filtered places and channels
 };
-
-void MaskFilters::add(const shading::SfLight& light, std::span<uint8_t> mask, std::span<const float> hit_distance,
-                      const Tiles& tiles, LightFilter& light_filter, const MaskRequest& r, Frame& frame) const {
-  ShadowFilter& filter = light_filter.filter;
-  const bool averaged = is_averaged(r), follows = frames_.follows(light_filter.last_frame, r.sequence) && averaged;
-  if (!averaged) light_filter.last_frame = 0;  // so that the next frame has no history
-  if (!follows) filter.reset();
-  if (follows && r.sequence == SequenceStep::next) filter.follow(light, frame_.depth_before);
-  frame.filters.push_back(&filter);
-  frame.masks.push_back(mask.data());
-  frame.inputs.push_back({.width = frame_.width,
-                          .height = frame_.height,
-                          .visibility = {},
-                          .hit_distance = hit_distance,
-                          .depth = frame_.depth,
-                          .motion = r.motion.empty() ? std::span<const glm::vec2>(frame_.motion) : r.motion,
-                          .view = frame_.view,
-                          .light = light,
-                          .mask = mask,
-                          .seen = tiles.seen,
-                          .unfiltered = tiles.unfiltered});
-}
-
-// Makes the filter's last result count for this frame too.
-void MaskFilters::keep(LightFilter& light_filter, const MaskRequest& r) const {
-  frames_.follows(light_filter.last_frame, r.sequence);
-}
-
-void MaskFilters::run(Executor& executor, const MaskRequest& r, Frame& frame) const {
-  const bool averaged = frames_.follows() && is_averaged(r);
-  ShadowFilter::spatial(executor, frame.filters, frame.inputs, averaged);
-  for (size_t i = 0; averaged && i < frame.filters.size(); ++i)
-    frame.filters[i]->temporal(executor, frame.inputs[i], r.sequence == SequenceStep::again);
-  ShadowFilter::store(executor, frame.filters, frame.masks, averaged);
-}
 
 void MaskFilters::filter(Executor& executor, const MaskRequest& r, const model::Snapshot& snapshot,
                          OcclusionMasks& masks) {
   if (r.traced && r.traced->none()) return frames_.skip();
   if (!frames_.next(executor, r, snapshot, frame_)) return;
-  const size_t pixels = size_t{masks.width} * masks.height;
-  const size_t tiles = size_t{masks.filter_columns()} * masks.filter_rows();
-  const std::vector<uint32_t> lights = lights_of(r.shadow_lights);
-  if (!lights.empty() && shadows_.size() <= lights.back()) shadows_.resize(lights.back() + 1);
-  Frame frame;
-  const TracedTiles traced = r.traced ? *r.traced : TracedTiles{};
-  const auto is_kept = [&](size_t layer) { return r.kept && r.kept->keeps(static_cast<uint32_t>(layer)); };
-  const auto add_layer = [&](size_t layer, const shading::SfLight& light, LightFilter& filter) {
-    if (is_kept(layer)) return keep(filter, r);
-    add(light, {&masks.lit[layer * pixels], pixels}, {&masks.filter_distance[layer * pixels], pixels},
-        {{&masks.seen[layer * tiles], tiles}, traced.of_lights}, filter, r, frame);
-  };
-  if (masks.tints > 0 && !lights.empty() && tints_.size() <= lights.back()) tints_.resize(lights.back() + 1);
-  const auto add_tint = [&](size_t layer, const shading::SfLight& light, std::array<LightFilter, 3>& filters) {
-    const uint32_t place = masks.tints > 0 ? masks.tint_places[layer] : 0;
-    if (place == 0 || masks.tint_distance.empty()) return;
-    if (!is_kept(layer) && !masks.tint_lasts[place - 1] && !masks.is_tinted(place)) return;
-    std::vector<uint8_t>* seen = is_kept(layer) ? nullptr : &frame.seen.emplace_back(tint_seen(masks, place));
-    const bool coloured = is_kept(layer) || masks.tint_coloured[place - 1];
-    if (!coloured) frame.grey.push_back(place);
-    if (!coloured) filters[1].last_frame = filters[2].last_frame = 0;
-    for (uint32_t c = 0; c < (coloured ? 3u : 1u); ++c) {
-      if (!is_kept(layer)) frame.tints.emplace_back(place, c);
-      if (!is_kept(layer))
-        add(light, masks.tint_plane(place, c), {&masks.tint_distance[(place - 1) * pixels], pixels},
-            {*seen, traced.of_lights}, filters[c], r, frame);
-      else if (filters[c].last_frame != 0)
-        keep(filters[c], r);
-    }
-  };
-  for (size_t layer = 0; layer < lights.size(); ++layer) {
-    const model::Light& light = snapshot.lights[lights[layer]];
-    if (!is_filtered(light, is_random(r.inexact, r.inexact_bits)) || masks.filter_distance.empty()) continue;
-    add_layer(layer, filter_light(light, frames_.camera()), shadows_[lights[layer]]);
-    if (masks.tints > 0) add_tint(layer, filter_light(light, frames_.camera()), tints_[lights[layer]]);
-  }
-  if (r.combined_lights && !masks.filter_distance.empty()) {
-    add_layer(lights.size(), filter_sky(), combined_);
-    add_tint(lights.size(), filter_sky(), combined_tint_);
-  }
-  const auto add_sky = [&](size_t layer, std::span<uint8_t> mask, std::span<const float> distance,
-                           LightFilter& filter) {
-    if (is_kept(layer)) return keep(filter, r);
-    add(filter_sky(), mask, distance, {{}, traced.of_sky}, filter, r, frame);
-  };
-  const size_t last = masks.layers - size_t{1};
-  if (r.unhidden_sky && !masks.filter_distance.empty())
-    add_sky(last, {&masks.lit[last * pixels], pixels}, {&masks.filter_distance[last * pixels], pixels}, unhidden_);
-  if (!masks.open_distance.empty()) add_sky(masks.layers, masks.open, masks.open_distance, open_);
-  run(executor, r, frame);
-  calm(executor, frame_, frame.tints, traced.of_lights, masks);
-  for (const uint32_t place : frame.grey)
-    for (const uint32_t c : {1u, 2u}) std::ranges::copy(masks.tint_plane(place, 0), masks.tint_plane(place, c).begin());
+  Frame frame(*this, r, masks);
+  frame.add_lights(snapshot);
+  frame.add_sky();
+  frame.run(executor);
 }
 
 }  // namespace sideray::rt

@@ -66,28 +66,21 @@ class MaskFilters {
   void filter(Executor& executor, const MaskRequest& request, const model::Snapshot& snapshot, OcclusionMasks& masks);
 
  private:
-  struct Frame;  // shared by all filters
-  // The fields of a mask's ShadowFilterInput.
-  struct Tiles {
-    std::span<const uint8_t> seen, unfiltered;
-  };
-  struct LightFilter {
+  class Frame;
+  struct MaskFilter {
     ShadowFilter filter;
     uint64_t last_frame = 0;  // for FilterFrames::follows()
   };
-
-  void add(const shading::SfLight& light, std::span<uint8_t> mask, std::span<const float> hit_distance,
-           const Tiles& tiles, LightFilter& light_filter, const MaskRequest& request, Frame& frame) const;
-  void keep(LightFilter& light_filter, const MaskRequest& request) const;
-  void run(Executor& executor, const MaskRequest& request, Frame& frame) const;
+  struct LightFilters {
+    MaskFilter shadow;
+    std::array<MaskFilter, 3> tints;  // the red, green and blue transmittance of translucent surfaces
+  };
 
   FilterFrames frames_;
   FilterFrame frame_;
-  std::vector<LightFilter> shadows_;  // by light index
-  LightFilter combined_, unhidden_, open_;
-  // For the red, green and blue transmittance of translucent surfaces: by light index, and for the combined lights.
-  std::vector<std::array<LightFilter, 3>> tints_;
-  std::array<LightFilter, 3> combined_tint_;
+  std::vector<LightFilters> lights_;  // by light index
+  LightFilters combined_;
+  MaskFilter unhidden_, open_;
 };
 
 }  // namespace sideray::rt

@@ -81,7 +81,7 @@ void find_depth(const MaskRequest& r, Executor& executor, OcclusionMasks& masks)
   masks.depth_step = r.depth.format == DepthFormat::d16 ? 0x1p-16f : 0x1p-24f;
 }
 
-// The sky's masks are traced after those of lights, and get half of the time.
+// The masks of lights get half of the time, because the sky's are traced after them.
 WorkTime half_of(WorkTime work) {
   const Deadline now = Deadline::clock::now();
   if (has_deadline(work.deadline) && work.deadline > now) work.deadline = now + (work.deadline - now) / 2;
@@ -101,119 +101,183 @@ bool waits(const MaskRequest& r, const Counters& counters) {
   return r.position_frames > 0 && (counters.mask_pixels_late > 0 || counters.frames_waiting >= r.position_frames);
 }
 
-// Traces `masks`, except those that the request reuses.
-Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
-  check(r, *scene.shading().snapshot);
-  Executor& executor = scene.executor();
-  const Stopwatch looking;
+// Resizes the masks and begins the frame in what earlier ones left.
+void begin(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
   if (r.kept) r.kept->begin(r, scene, masks);
-  Counters sum;
-  (light_masks_of(r) > 0 ? sum.trace_shadow_ms : sum.trace_ao_ms) = looking.ms();
   fit(r, masks);
-  OlderMasks* older = has_older(r) ? r.older : nullptr;
-  if (r.older && !older) r.older->forget();
-  if (older) older->begin(r, scene, masks);
-  const MaskTracer tracer(r, scene, masks);
-  const WorkTime all_work = with_least_shared(r.work);
-  std::vector<MaskTracer::Worker> workers(executor.threads());
-  std::atomic<bool> whole{true};
-  std::vector<uint8_t> fresh(tracer.tiles(), 1);  // by tile: lights do not show history
-  const std::vector<uint8_t> for_lights = traced_tiles(r.wanted, r.width, lights_traced);
-  const std::vector<uint8_t> for_sky = traced_tiles(r.wanted, r.width, sky_traced);
-  if (!for_lights.empty()) fresh = for_lights;
-  TileReach* reach = r.wanted ? r.wanted->reach.get() : nullptr;
-  if (reach) reach->fit(r.view, r.width, r.height, r.depth);
-  const auto trace_tile = [&](const std::vector<uint8_t>& traced, size_t tile, MaskTracer::Worker& w, const auto& work) {
-    if (!traced.empty() && !traced[tile]) return;
-    Following rays(r.wanted && r.wanted->has(tile) ? reach : nullptr, Following::Rays::of_masks);
-    work(tile, w);
-    rays.add_to(tile);
-  };
-  const auto is_cancelled = [&] { return r.cancelled && r.cancelled->load(); };
-  // Skipped tiles are lit, unless they have history.
-  const auto leave = [&](OlderMasks::Part part, size_t tile, uint32_t thread, const auto& open) {
-    if (whole) whole = false;
-    const bool is_older = older && older->knows(part);
-    if (!is_older) open(tile);
-    if (older) older->leave(r, part, tile, masks, workers[thread].counters);
-    if (is_older && part == OlderMasks::of_lights) fresh[tile] = 0;
-  };
-  const auto leave_all = [&](OlderMasks::Part part, const auto& open) {
-    executor.run_cheap(tracer.tiles(), [&](size_t tile, uint32_t thread) { leave(part, tile, thread, open); });
-  };
-  // Traces a part of the masks, tile by tile.
-  const auto trace = [&](OlderMasks::Part part, const WorkTime& time, const auto& work, const auto& open) {
-    const std::vector<uint32_t> turns = tracer.turns(part);
+  if (has_older(r))
+    r.older->begin(r, scene, masks);
+  else if (r.older)
+    r.older->forget();
+}
+
+// Traces a frame's masks, except those that the request reuses: first those of lights, then the sky's.
+class MaskFrame {
+ public:
+  using Part = OlderMasks::Part;
+  using Worker = MaskTracer::Worker;
+
+  // All arguments must outlive the object.
+  MaskFrame(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks)
+      : request_(request),
+        executor_(scene.executor()),
+        masks_(masks),
+        older_(has_older(request) ? request.older : nullptr),
+        tracer_(request, scene, masks),
+        has_glass_(scene.shading().glass),
+        work_(with_least_shared(request.work)),
+        workers_(executor_.threads()),
+        traced_{traced_tiles(request.wanted, request.width, lights_traced),
+                traced_tiles(request.wanted, request.width, sky_traced)},
+        fresh_(traced_[OlderMasks::of_lights]),
+        reach_(request.wanted ? request.wanted->reach.get() : nullptr) {
+    if (fresh_.empty()) fresh_.assign(tracer_.tiles(), 1);
+    if (reach_) reach_->fit(request.view, request.width, request.height, request.depth);
+  }
+
+  Counters trace() {
+    Counters sum;
+    if (older_ && tracer_.traces_sky() && request_.position_frames == 0 && !is_over(work_))
+      sum.trace_ao_ms += ms_of([&] { sample_sky(); });
+    if (tracer_.traces_lights()) sum.trace_shadow_ms += ms_of([&] { trace_lights(); });
+    if (tracer_.traces_sky()) sum.trace_ao_ms += ms_of([&] { trace_part(OlderMasks::of_sky, work_); });
+    masks_.whole = whole_;
+    for (const Worker& w : workers_) sum += w.counters;
+    sum.pixels_total = size_t{request_.width} * request_.height;
+    return sum;
+  }
+
+ private:
+  template <typename Work>
+  static double ms_of(const Work& work) {
+    const Stopwatch watch;
+    work();
+    return watch.ms();
+  }
+
+  bool is_cancelled() const { return request_.cancelled && request_.cancelled->load(); }
+  PiecesLeft pieces_left(int64_t per_piece = 1) const {
+    return PiecesLeft{request_.work.pieces ? request_.work.pieces->load() * per_piece : 0};
+  }
+
+  // Gives tiles without history coarse samples of the sky.
+  void sample_sky() {
+    std::vector<uint32_t> lacking = tracer_.turns(OlderMasks::of_sky);
+    std::erase_if(lacking, [&](uint32_t tile) { return !older_->lacks_sky(tile); });
+    WorkTime time = half_of(work_);
+    time.least_pieces = lacking.size() / least_sampled + 1;
+    PiecesLeft pieces = pieces_left(CoarseSky::across * CoarseSky::across);
+    if (request_.work.pieces) time.pieces = &pieces, time.least_pieces = 0;
+    WorkClock clock(time);
+    std::atomic<size_t> next{0};
+    executor_.run(lacking.size(), [&](size_t, uint32_t thread) {
+      const size_t number = next++;
+      if (is_cancelled()) return;
+      clock.run(number, [&] { tracer_.sample_sky(lacking[number], workers_[thread], older_->coarse_sky()); });
+    });
+  }
+
+  void trace_lights() {
+    PiecesLeft pieces = pieces_left();  // the sky gets as many
+    WorkTime time = tracer_.traces_sky() ? half_of(work_) : work_;
+    if (request_.work.pieces) time.pieces = &pieces;
+    trace_part(OlderMasks::of_lights, time);
+    if (masks_.tints > 0 || has_glass_) tracer_.store_tints(workers_, fresh_, executor_);
+    // Borders are measured only in complete masks.
+    const bool later = std::ranges::any_of(workers_, [&](const Worker& w) { return waits(request_, w.counters); });
+    if (request_.filters && !later) measure([&](size_t tile, Worker& w) { tracer_.trace_borders(tile, w); });
+    if (request_.hit_distances) measure([&](size_t tile, Worker& w) { tracer_.trace_distances(tile, w); });
+  }
+
+  // Traces or skips each tile of a part.
+  void trace_part(Part part, const WorkTime& time) {
+    if (is_over(time))
+      executor_.run_cheap(tracer_.tiles(), [&](size_t tile, uint32_t thread) { skip(part, tile, thread); });
+    else
+      trace_in_turns(part, time);
+    if (older_ && !is_cancelled()) older_->end(part);
+  }
+
+  void trace_in_turns(Part part, const WorkTime& time) {
+    const std::vector<uint32_t> turns = tracer_.turns(part);
     WorkClock clock(time);
     std::atomic<size_t> next{0};
     // Without an order, threads get ranges of numbers; with one, each free thread takes the next tile.
-    executor.run(tracer.tiles(), [&](size_t numbered, uint32_t thread) {
+    executor_.run(tracer_.tiles(), [&](size_t numbered, uint32_t thread) {
       const size_t number = turns.empty() ? numbered : next++, tile = turns.empty() ? numbered : turns[number];
-      if (is_cancelled() || !clock.run(number, [&] {
-            trace_tile(part == OlderMasks::of_sky ? for_sky : for_lights, tile, workers[thread], work);
-          }))
-        return leave(part, tile, thread, open);
-      if (older) older->traced(r, part, tile);
+      if (is_cancelled() || !clock.run(number, [&] { trace_tile(part, tile, workers_[thread]); }))
+        skip(part, tile, thread);
+      else if (older_)
+        older_->traced(request_, part, tile);
     });
-  };
-  const auto run = [&](OlderMasks::Part part, const WorkTime& time, const auto& work, const auto& open) {
-    const Stopwatch watch;
-    if (is_over(time)) leave_all(part, open);
-    else trace(part, time, work, open);
-    if (older && !is_cancelled()) older->end(part);
-    return watch.ms();
-  };
-  const auto run_after = [&](auto work) {
-    const Stopwatch watch;
-    executor.run(tracer.tiles(), [&](size_t tile, uint32_t thread) {
-      if (!is_cancelled() && !has_passed(r.work.deadline)) trace_tile(for_lights, tile, workers[thread], work);
-    });
-    return watch.ms();
-  };
-  // Tiles without history sample the sky coarsely first.
-  const auto sample_sky = [&] {
-    const Stopwatch watch;
-    std::vector<uint32_t> lacking = tracer.turns(OlderMasks::of_sky);
-    std::erase_if(lacking, [&](uint32_t tile) { return !older->lacks_sky(tile); });
-    WorkTime time = half_of(all_work);
-    time.least_pieces = lacking.size() / least_sampled + 1;
-    PiecesLeft pieces{r.work.pieces ? r.work.pieces->load() * CoarseSky::across * CoarseSky::across : 0};
-    if (r.work.pieces) time.pieces = &pieces, time.least_pieces = 0;
-    WorkClock clock(time);
-    std::atomic<size_t> next{0};
-    executor.run(lacking.size(), [&](size_t, uint32_t thread) {
-      const size_t number = next++;
-      if (!is_cancelled()) clock.run(number, [&] { tracer.sample_sky(lacking[number], workers[thread], older->coarse_sky()); });
-    });
-    return watch.ms();
-  };
-  if (older && tracer.traces_sky() && r.position_frames == 0 && !is_over(all_work)) sum.trace_ao_ms += sample_sky();
-  if (tracer.traces_lights()) {
-    PiecesLeft pieces{r.work.pieces ? r.work.pieces->load() : 0};  // the sky gets as many
-    WorkTime time = tracer.traces_sky() ? half_of(all_work) : all_work;
-    if (r.work.pieces) time.pieces = &pieces;
-    sum.trace_shadow_ms += run(OlderMasks::of_lights, time,
-                               [&](size_t tile, MaskTracer::Worker& w) { tracer.trace_shadows(tile, w); },
-                               [&](size_t tile) { tracer.open_tile(tile); });
-    if (masks.tints > 0 || scene.shading().glass) {
-      const Stopwatch storing;
-      tracer.store_tints(workers, fresh, executor);
-      sum.trace_shadow_ms += storing.ms();
-    }
-    // Borders are measured only in complete masks.
-    const bool later = std::ranges::any_of(workers, [&](const MaskTracer::Worker& w) { return waits(r, w.counters); });
-    if (r.filters && !later)
-      sum.trace_shadow_ms += run_after([&](size_t tile, MaskTracer::Worker& w) { tracer.trace_borders(tile, w); });
-    if (r.hit_distances)
-      sum.trace_shadow_ms += run_after([&](size_t tile, MaskTracer::Worker& w) { tracer.trace_distances(tile, w); });
   }
-  if (tracer.traces_sky())
-    sum.trace_ao_ms += run(OlderMasks::of_sky, all_work, [&](size_t tile, MaskTracer::Worker& w) { tracer.trace_open(tile, w); },
-                           [&](size_t tile) { tracer.open_sky(tile); });
-  masks.whole = whole;
-  for (const MaskTracer::Worker& w : workers) sum += w.counters;
-  sum.pixels_total = size_t{r.width} * r.height;
-  return sum;
+
+  void trace_tile(Part part, size_t tile, Worker& w) {
+    record_reach(part, tile, [&] {
+      if (part == OlderMasks::of_sky)
+        tracer_.trace_open(tile, w);
+      else
+        tracer_.trace_shadows(tile, w);
+    });
+  }
+
+  // Runs work on a tile if the part traces it, and records where the rays of a wanted tile go.
+  template <typename Work>
+  void record_reach(Part part, size_t tile, const Work& work) {
+    if (!traced_[part].empty() && !traced_[part][tile]) return;
+    Following rays(request_.wanted && request_.wanted->has(tile) ? reach_ : nullptr, Following::Rays::of_masks);
+    work();
+    rays.add_to(tile);
+  }
+
+  // Makes a tile show its history, or be lit if it has none.
+  void skip(Part part, size_t tile, uint32_t thread) {
+    if (whole_) whole_ = false;
+    const bool is_older = older_ && older_->knows(part);
+    if (!is_older) light(part, tile);
+    if (older_) older_->leave(request_, part, tile, masks_, workers_[thread].counters);
+    if (is_older && part == OlderMasks::of_lights) fresh_[tile] = 0;
+  }
+
+  void light(Part part, size_t tile) const {
+    if (part == OlderMasks::of_sky)
+      tracer_.open_sky(tile);
+    else
+      tracer_.open_tile(tile);
+  }
+
+  // Measures hit distances of lights' masks that were traced in this frame.
+  template <typename Work>
+  void measure(const Work& work) {
+    executor_.run(tracer_.tiles(), [&](size_t tile, uint32_t thread) {
+      if (is_cancelled() || has_passed(request_.work.deadline)) return;
+      record_reach(OlderMasks::of_lights, tile, [&] { work(tile, workers_[thread]); });
+    });
+  }
+
+  const MaskRequest& request_;
+  Executor& executor_;
+  OcclusionMasks& masks_;
+  OlderMasks* older_;  // null: no deadline
+  const MaskTracer tracer_;
+  const bool has_glass_;
+  const WorkTime work_;
+  std::vector<Worker> workers_;
+  const std::vector<uint8_t> traced_[OlderMasks::part_count];  // by tile; empty: all are
+  std::vector<uint8_t> fresh_;                                 // by tile: its lights do not show history
+  TileReach* reach_;
+  std::atomic<bool> whole_{true};
+};
+
+// Traces `masks`, except those that the request reuses.
+Counters trace_unfiltered(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
+  check(r, *scene.shading().snapshot);
+  const Stopwatch watch;
+  begin(r, scene, masks);
+  const double ms = watch.ms();
+  Counters counters = MaskFrame(r, scene, masks).trace();
+  (light_masks_of(r) > 0 ? counters.trace_shadow_ms : counters.trace_ao_ms) += ms;
+  return counters;
 }
 
 // Returns the filter tiles of the wanted tiles, and up to `around` tiles beside them.
@@ -252,10 +316,10 @@ void filter(const MaskRequest& r, TracedScene& scene, OcclusionMasks& masks) {
 }  // namespace
 
 Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMasks& masks) {
-  const bool is_done = request.position_frames > 1 && has_older(request) && request.sequence == SequenceStep::next &&
-                       request.older->is_complete();
-  if (is_done) return {};
-  if (!has_older(request)) masks.answers.clear();
+  OlderMasks* const older = has_older(request) ? request.older : nullptr;
+  const bool in_turns = older && request.position_frames > 0;
+  if (in_turns && request.position_frames > 1 && request.sequence == SequenceStep::next && older->is_complete()) return {};
+  if (!older) masks.answers.clear();
   Counters counters = trace_unfiltered(request, scene, masks);
   find_depth(request, scene.executor(), masks);
   if (request.cancelled && *request.cancelled) return counters;
@@ -270,11 +334,11 @@ Counters trace_masks(const MaskRequest& request, TracedScene& scene, OcclusionMa
     counters.denoise_ms = watch.ms();
   }
   masks.find_tinted(scene.executor(), [&](uint32_t layer, size_t tile) {
-    return has_older(request) && request.older->is_white(request, masks, layer, tile);
+    return older && older->is_white(request, masks, layer, tile);
   });
-  if (has_older(request)) request.older->end_frame(request, masks, scene.executor());
-  if (has_older(request)) request.older->tell_answers(request, scene.executor(), masks);
-  if (has_older(request) && request.position_frames > 0 && !later) request.older->complete();
+  if (older) older->end_frame(request, masks, scene.executor());
+  if (older) older->tell_answers(request, scene.executor(), masks);
+  if (in_turns && !later) older->complete();
   const bool all = !request.wanted || request.wanted->tiles.empty();
   if (request.kept) request.kept->end(masks, masks.whole && all);
   return counters;

@@ -59,12 +59,8 @@ uint8_t packed(float visibility) {
 
 // Is scratch memory of a thread, for a row of tiles.
 struct ShadowFilter::ShadowRow {
-  struct alignas(64) Lanes {
-    float values[side];
-  };
   std::vector<ShadowColumns> columns;
-  std::vector<float> nearness;
-  std::vector<Lanes> longest;
+  std::vector<ShadowTileReach> reaches;
 };
 
 int32_t ShadowFilter::at(uint32_t x, uint32_t y) const {
@@ -79,6 +75,7 @@ ShadowPlanes ShadowFilter::planes() {
           guide_->inverse.data(),
           guide_->slope_x.data(),
           guide_->slope_y.data(),
+          at(0, 0),
           stride_};
 }
 
@@ -234,8 +231,7 @@ ShadowFilter::Tile ShadowFilter::around(uint32_t tile_x, uint32_t tile_y) const 
 void ShadowFilter::classify(const ShadowFilterInput& input, uint32_t tile_y, ShadowRow& row) {
   if (leader_ != this || !row_states_[tile_y].loaded) return;
   const ShadowTerms terms = terms_of(input);
-  row.nearness.resize(tiles_x_);
-  row.longest.assign(tiles_x_, {});
+  row.reaches.assign(tiles_x_, {});
   for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
     Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
     if (!tile.loaded) continue;
@@ -246,7 +242,7 @@ void ShadowFilter::classify(const ShadowFilterInput& input, uint32_t tile_y, Sha
     });
     tile.active = varies && may_change(input, tile_x, tile_y);
     row_states_[tile_y].active |= tile.active;
-    row.nearness[tile_x] = near.hits > 0.0f ? near.hits / near.distances : 0.0f;
+    row.reaches[tile_x].nearness = near.hits > 0.0f ? near.hits / near.distances : 0.0f;
   }
   const ShadowPlanes to = planes();
   for (uint32_t y = tile_y * side; y < (tile_y + 1) * side; ++y)
@@ -254,14 +250,13 @@ void ShadowFilter::classify(const ShadowFilterInput& input, uint32_t tile_y, Sha
       const Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
       const uint32_t x = tile_x * side;
       if (tile.active)
-        kernels_->prepare(terms, to, at(x, y), static_cast<int32_t>(x), static_cast<int32_t>(y), row.nearness[tile_x],
-                          row.longest[tile_x].values);
+        kernels_->prepare(terms, to, static_cast<int32_t>(x), static_cast<int32_t>(y), row.reaches[tile_x]);
       else if (tile.loaded)
         std::fill_n(to.reach + at(x, y), side, shading::sf_most_reach);
     }
   for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
     Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
-    if (tile.loaded) tile.reach = *std::max_element(row.longest[tile_x].values, row.longest[tile_x].values + side);
+    if (tile.loaded) tile.reach = std::ranges::max(row.reaches[tile_x].longest);
   }
   for (const Sharing& shared : sharing_) {
     if (shared.filter == this) continue;
@@ -417,9 +412,9 @@ void ShadowFilter::store(Executor& executor, std::span<ShadowFilter* const> filt
 }
 
 // Pixels that are all lit or all in shadow are certain, so they count as many frames.
-void ShadowFilter::accumulate(const ShadowTerms& terms, const ShadowFilterInput& input, uint32_t tile_y) {
-  const ShadowPlanes from = planes();
-  const ShadowHistoryPlanes before = history(1 - current_), after = history(current_);
+void ShadowFilter::accumulate(const ShadowSequence& sequence, std::span<const glm::vec2> moved, uint32_t tile_y) {
+  const ShadowPlanes& from = sequence.planes;
+  const ShadowHistoryPlanes& after = sequence.after;
   float motion[2 * side] = {};
   for (uint32_t y = tile_y * side; y < std::min(height_, (tile_y + 1) * side); ++y)
     for (uint32_t x = 0; x < width_; x += side) {
@@ -427,16 +422,15 @@ void ShadowFilter::accumulate(const ShadowTerms& terms, const ShadowFilterInput&
       if (!tiles_[size_t{tile_y} * tiles_x_ + x / side].active) {
         std::copy_n(from.visibility + first, side, after.value + first);
         std::copy_n(from.inverse + first, side, after.inverse + first);
-        std::fill_n(after.frames + first, side, terms.light_most_frames);
+        std::fill_n(after.frames + first, side, sequence.terms.light_most_frames);
         continue;
       }
-      for (uint32_t i = 0; !input.motion.empty() && i < std::min(side, width_ - x); ++i) {
-        const glm::vec2 moved = input.motion[size_t{y} * width_ + x + i];
-        motion[i] = moved.x;
-        motion[side + i] = moved.y;
+      for (uint32_t i = 0; !moved.empty() && i < std::min(side, width_ - x); ++i) {
+        const glm::vec2 pixel = moved[size_t{y} * width_ + x + i];
+        motion[i] = pixel.x;
+        motion[side + i] = pixel.y;
       }
-      kernels_->accumulate(terms, from, before, after, motion, at(0, 0), static_cast<int32_t>(x),
-                           static_cast<int32_t>(y), static_cast<int32_t>(width_), static_cast<int32_t>(height_));
+      kernels_->accumulate(sequence, motion, static_cast<int32_t>(x), static_cast<int32_t>(y));
     }
 }
 
@@ -469,8 +463,10 @@ void ShadowFilter::temporal(Executor& executor, const ShadowFilterInput& input, 
   fit_history();
   if (!follows_) std::fill_n(history_[current_][inverse_then].data(), history_[current_][inverse_then].size(), 0.0f);
   if (!again || !follows_) current_ = 1 - current_;
-  const ShadowTerms terms = terms_of(input);
-  executor.run(tiles_y_, [&](size_t y, uint32_t) { accumulate(terms, input, static_cast<uint32_t>(y)); });
+  const ShadowSequence sequence{terms_of(input),    planes(),
+                                history(1 - current_), history(current_),
+                                static_cast<int32_t>(width_), static_cast<int32_t>(height_)};
+  executor.run(tiles_y_, [&](size_t y, uint32_t) { accumulate(sequence, input.motion, static_cast<uint32_t>(y)); });
   follows_ = true;
 }
 

@@ -105,7 +105,7 @@ class ShadowFilter {
   void classify(const ShadowFilterInput& input, uint32_t tile_y, ShadowRow& row);
   static bool reaches(const Tile& tile, int32_t step);
   void blur(uint32_t tile_y, int32_t step);
-  void accumulate(const ShadowTerms& terms, const ShadowFilterInput& input, uint32_t tile_y);
+  void accumulate(const ShadowSequence& sequence, std::span<const glm::vec2> moved, uint32_t tile_y);
   void store(Executor& executor, const float* plane, std::span<float> result);
   void store_row(uint8_t* mask, bool accumulated, uint32_t tile_row) const;
   int32_t at(uint32_t x, uint32_t y) const;

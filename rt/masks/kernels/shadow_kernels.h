@@ -18,6 +18,7 @@ struct ShadowTerms {
 struct ShadowPlanes {
   float *visibility, *filtered, *nearness, *reach;
   float *inverse, *slope_x, *slope_y;  // shared by all lights
+  int32_t origin;                      // index of pixel (0, 0)
   int32_t stride;                      // floats from one row to the next
 };
 
@@ -26,10 +27,24 @@ struct ShadowHistoryPlanes {
   float *value, *frames, *inverse;
 };
 
+// Refers to what is averaged with the previous frames.
+struct ShadowSequence {
+  ShadowTerms terms;
+  ShadowPlanes planes;
+  ShadowHistoryPlanes before, after;
+  int32_t width, height;
+};
+
 // Holds a tile's values, one entry a column.
 struct alignas(64) ShadowColumns {
   float least[shadow_tile], most[shadow_tile];  // smallest and largest visibility
   float distances[shadow_tile], hits[shadow_tile];
+};
+
+// Says how far occluders of a tile are, and how far its pixels are blurred.
+struct alignas(64) ShadowTileReach {
+  float longest[shadow_tile];  // one entry a column
+  float nearness;              // of the occluders in the tiles around, for pixels without an occluder nearby
 };
 
 // All functions process the sixteen pixels from (x, y) on; the first is at index `at`.
@@ -40,15 +55,11 @@ struct ShadowKernels {
   // `darkest`: the least visibility of the images that share a reach.
   void (*load)(const float* visibility, const float* darkest, const float* hit_distance, const ShadowPlanes& planes,
                int32_t at, ShadowColumns& columns);
-  // `nearness`: of the occluders in the tiles around, for pixels without an occluder among their neighbours.
-  void (*prepare)(const ShadowTerms& terms, const ShadowPlanes& planes, int32_t at, int32_t x, int32_t y,
-                  float nearness, float* most_reach);
+  void (*prepare)(const ShadowTerms& terms, const ShadowPlanes& planes, int32_t x, int32_t y, ShadowTileReach& reach);
   // `images`: several that share all planes except visibility and filtered.
   void (*blur)(const ShadowPlanes* images, int32_t count, int32_t at, int32_t step);
-  // `motion`: sixteen x, then sixteen y. `first`: index of pixel (0, 0).
-  void (*accumulate)(const ShadowTerms& terms, const ShadowPlanes& planes, const ShadowHistoryPlanes& before,
-                     const ShadowHistoryPlanes& after, const float* motion, int32_t first, int32_t x, int32_t y,
-                     int32_t width, int32_t height);
+  // `motion`: sixteen x, then sixteen y.
+  void (*accumulate)(const ShadowSequence& sequence, const float* motion, int32_t x, int32_t y);
 };
 
 // Returns the kernels of an instruction set: "avx512", "avx2", otherwise the baseline; null selects the processor's

@@ -72,15 +72,14 @@ SIDERAY_LANE real nearness_around(const ShadowPlanes& p, SfPlane plane, int32_t 
   return mix(real(otherwise), sum / max(total, real(1e-6f)), min(total, real(1.0f)));
 }
 
-void prepare_row(const ShadowTerms& terms, const ShadowPlanes& p, int32_t first, int32_t x, int32_t y, float nearness,
-                 float* most_reach) {
+void prepare_row(const ShadowTerms& terms, const ShadowPlanes& p, int32_t x, int32_t y, ShadowTileReach& tile) {
   for (int i = 0; i < shadow_tile; i += lane_count) {
-    const int32_t at = first + i;
+    const int32_t at = p.origin + y * p.stride + x + i;
     const SfPlane plane = plane_at(p, at);
     const real reach = sf_reach(light_of(terms), view_of(terms), to_real(ramp(x + i)), real(static_cast<float>(y)),
-                                plane.inverse, nearness_around(p, plane, at, nearness));
+                                plane.inverse, nearness_around(p, plane, at, tile.nearness));
     store_any(p.reach + at, reach);
-    store_any(most_reach + i, max(load_any(most_reach + i), reach));
+    store(tile.longest + i, max(load(tile.longest + i), reach));
   }
 }
 
@@ -155,19 +154,35 @@ SIDERAY_LANE SfMoments moments_around(const ShadowPlanes& p, SfPlane plane, int3
   return {total, sum / most, square / most};
 }
 
-// Returns the previous frame's value at (x, y), interpolated between the four pixels around that lie on the plane.
-SIDERAY_LANE SfHistory history_at(const ShadowHistoryPlanes& before, SfPlane plane, real x, real y, int32_t first,
-                                  int32_t stride) {
-  const real corner_x = floor(x), corner_y = floor(y);
-  const integer corner = truncate(corner_y) * stride + truncate(corner_x) + first;
+// Says where a lane's surface was in the previous frame.
+struct ShadowOrigin {
+  real x, y;
+  SfPlane plane;
+};
+
+SIDERAY_LANE ShadowOrigin origin_of(const ShadowSequence& s, const float* motion, int32_t x, int32_t y, SfPlane plane) {
+  const real here_x = to_real(ramp(x)), here_y(static_cast<float>(y));
+  plane.inverse = sf_inverse_before(view_of(s.terms), here_x, here_y, plane.inverse);
+  // A NaN or a coordinate outside the picture reads the border.
+  return {min(max(real(-2.0f), here_x - load_any(motion)), static_cast<float>(s.width + 1)),
+          min(max(real(-2.0f), here_y - load_any(motion + shadow_tile)), static_cast<float>(s.height + 1)), plane};
+}
+
+// Returns the previous frame's value there, interpolated between the four pixels around that lie on the plane.
+SIDERAY_LANE SfHistory history_at(const ShadowSequence& s, const ShadowOrigin& there) {
+  const ShadowHistoryPlanes& before = s.before;
+  const int32_t stride = s.planes.stride;
+  const real corner_x = floor(there.x), corner_y = floor(there.y);
+  const integer corner = truncate(corner_y) * stride + truncate(corner_x) + s.planes.origin;
   real value(0.0f), frames(0.0f), total(0.0f);
   const boolean everywhere = corner == corner;
   read_at(corner, everywhere, [&](const auto& read) {
     for (int32_t tap = 0; tap < 4; ++tap) {
-      const real dx = corner_x + static_cast<float>(tap & 1) - x, dy = corner_y + static_cast<float>(tap >> 1) - y;
+      const real dx = corner_x + static_cast<float>(tap & 1) - there.x;
+      const real dy = corner_y + static_cast<float>(tap >> 1) - there.y;
       const int32_t other = (tap & 1) + (tap >> 1) * stride;
       const real share = (1.0f - abs(dx)) * (1.0f - abs(dy));
-      const real weight = share * sf_on_plane(plane, dx, dy, read(before.inverse + other));
+      const real weight = share * sf_on_plane(there.plane, dx, dy, read(before.inverse + other));
       value = value + weight * read(before.value + other);
       frames = frames + weight * read(before.frames + other);
       total = total + weight;
@@ -177,29 +192,21 @@ SIDERAY_LANE SfHistory history_at(const ShadowHistoryPlanes& before, SfPlane pla
   return {value / most, sr_select(total > 0.05f, frames / most, real(0.0f))};
 }
 
-void accumulate_row(const ShadowTerms& terms, const ShadowPlanes& p, const ShadowHistoryPlanes& before,
-                    const ShadowHistoryPlanes& after, const float* motion, int32_t first, int32_t x, int32_t y,
-                    int32_t width, int32_t height) {
+void accumulate_row(const ShadowSequence& s, const float* motion, int32_t x, int32_t y) {
+  const ShadowPlanes& p = s.planes;
   for (int i = 0; i < shadow_tile; i += lane_count) {
-    const int32_t at = first + y * p.stride + x + i;
-    const real here_x = to_real(ramp(x + i)), here_y(static_cast<float>(y));
+    const int32_t at = p.origin + y * p.stride + x + i;
     const SfPlane plane = plane_at(p, at);
-    SfPlane then = plane;
-    then.inverse = sf_inverse_before(view_of(terms), here_x, here_y, plane.inverse);
-    // A NaN or a coordinate outside the picture reads the border.
-    const real from_x = min(max(real(-2.0f), here_x - load_any(motion + i)), static_cast<float>(width + 1));
-    const real from_y =
-        min(max(real(-2.0f), here_y - load_any(motion + shadow_tile + i)), static_cast<float>(height + 1));
-    const SfHistory known = history_at(before, then, from_x, from_y, first, p.stride);
+    const SfHistory known = history_at(s, origin_of(s, motion + i, x + i, y, plane));
     const real seen = load_any(p.visibility + at);
     // An exact history needs no clamping to its neighbourhood.
     SfMoments around{0.0f, 0.0f, 0.0f};
     if (sr_any(known.frames > 0.0f && !(known.value == seen))) around = moments_around(p, plane, at);
     const SfHistory now =
-        sf_accumulate(light_of(terms), known, seen, around, sf_samples(load_any(p.reach + at)));
-    store_any(after.value + at, now.value);
-    store_any(after.frames + at, now.frames);
-    store_any(after.inverse + at, plane.inverse);
+        sf_accumulate(light_of(s.terms), known, seen, around, sf_samples(load_any(p.reach + at)));
+    store_any(s.after.value + at, now.value);
+    store_any(s.after.frames + at, now.frames);
+    store_any(s.after.inverse + at, plane.inverse);
   }
 }
 

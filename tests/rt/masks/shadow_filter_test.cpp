@@ -430,13 +430,13 @@ std::vector<float> in_all_passes(const Clip& clip) {
                           0.0f};
   std::vector<std::vector<float>> planes(7, std::vector<float>(stride * stride));
   const auto plane = [&](size_t i) { return planes[i].data(); };
-  ShadowPlanes to{plane(0), plane(1), plane(2), plane(3), plane(4), plane(5), plane(6), stride};
+  ShadowPlanes to{plane(0), plane(1), plane(2), plane(3), plane(4), plane(5), plane(6),
+                  side * stride + side, stride};
   const ShadowKernels& kernels = shadow_kernels();
   const auto for_rows = [&](const auto& work) {
-    for (int32_t y = 0; y < side; ++y) work(y, (y + side) * stride + side);
+    for (int32_t y = 0; y < side; ++y) work(y, to.origin + y * stride);
   };
   ShadowColumns columns{};
-  alignas(64) float longest[side] = {};
   for_rows([&](int32_t y, int32_t at) { kernels.invert(&clip.depth[static_cast<size_t>(y * side)], to.inverse + at); });
   for_rows([&](int32_t, int32_t at) { kernels.slope(to, at); });
   for_rows([&](int32_t y, int32_t at) {
@@ -445,7 +445,8 @@ std::vector<float> in_all_passes(const Clip& clip) {
   });
   float distances = 0.0f, hits = 0.0f;
   for (int32_t i = 0; i < side; ++i) distances += columns.distances[i], hits += columns.hits[i];
-  for_rows([&](int32_t y, int32_t at) { kernels.prepare(terms, to, at, 0, y, hits / distances, longest); });
+  ShadowTileReach reach{{}, hits / distances};
+  for_rows([&](int32_t y, int32_t) { kernels.prepare(terms, to, 0, y, reach); });
   for (const int32_t step : {1, 2, 4, 8}) {
     for_rows([&](int32_t, int32_t at) { kernels.blur(&to, 1, at, step); });
     std::swap(to.visibility, to.filtered);
