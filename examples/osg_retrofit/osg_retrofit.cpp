@@ -50,7 +50,7 @@ Options parse(CLI::App& app, int argc, char** argv) {
   app.add_flag("--late", o.late, "Show the newest answers there are instead of waiting for this frame's");
   app.add_flag("--no-shadows", o.no_shadows, "Glass alone");
   app.add_option("--layers", o.retrofit.layers, "Glass surfaces a pixel that rays shade")->check(CLI::Range(1, 8));
-  app.add_option("--deadline", o.retrofit.deadline_ms, "Milliseconds after which no ray begins, and older answers are shown; 0 = none")
+  app.add_option("--budget", o.retrofit.budget_ms, "Milliseconds that rays may add to a frame; 0 = no limit")
       ->check(CLI::Range(0.0f, 1e6f));
   app.add_option("--threads", o.retrofit.threads, "That trace; 0 = all");
   app.add_option("--view", o.view, "Where the camera stands")->check(CLI::IsMember({view_names[0], view_names[1]}));
@@ -60,7 +60,7 @@ Options parse(CLI::App& app, int argc, char** argv) {
   app.add_option("--time", o.time_s, "Seconds that the scene has run for");
   app.add_option("--frames", o.frames, "Draw so many, then end")->check(CLI::Range(1, 1000000));
   app.add_flag("--stats", o.stats,
-               "Times of --frames frames each: without the service, with it, late, and with deadlines");
+               "Times of --frames frames each: without the service, with it, late, and within budgets");
   app.add_option("-o,--output", o.output, "PNG of the last frame");
   app.parse(argc, argv);
   parse_size(o);
@@ -121,13 +121,13 @@ struct Answers {
 
 // Draws the frames and prints their times; the service's times are those of its newest finished frame.
 void print_times(Engine& engine, sideray_osg::SceneAdapter* adapter, const Retrofit* retrofit, const Options& o,
-                 const char* what, int deadline_ms = 0) {
+                 const char* what, int budget_ms = 0) {
   std::vector<double> all, follow;
   Answers answers;
   double since_answer_ms = 0;
   sideray_ticket newest = retrofit ? retrofit->newest() : 0;
-  // With a deadline the answers arrive over several frames, so more frames precede the measurement.
-  for (int i = deadline_ms > 0 ? -o.frames : -2; i < o.frames; ++i) {
+  // Within a budget answers arrive over several frames, so more frames precede the measurement.
+  for (int i = budget_ms > 0 ? -o.frames : -2; i < o.frames; ++i) {
     const FrameTime t = draw_frame(engine, adapter, o.time_s + frame_s * std::max(i, 0));
     if (i < 0) continue;
     all.push_back(t.all_ms);
@@ -165,14 +165,14 @@ void print_stats(Engine& engine, const Options& o) {
     retrofit.set_wait(wait);
     print_times(engine, &adapter, &retrofit, o, wait ? "synchronous" : "late");
   }
-  for (const int deadline_ms : {5, 10})
+  for (const int budget_ms : {5, 10})
     for (const bool wait : {true, false}) {
       retrofit.set_wait(wait);
-      retrofit.set_deadline(static_cast<float>(deadline_ms));
+      retrofit.set_budget(static_cast<float>(budget_ms));
       print_times(
           engine, &adapter, &retrofit, o,
-          ((wait ? "synchronous, deadline " : "late, deadline ") + std::to_string(deadline_ms) + " ms").c_str(),
-          deadline_ms);
+          ((wait ? "synchronous, budget " : "late, budget ") + std::to_string(budget_ms) + " ms").c_str(),
+          budget_ms);
     }
 }
 

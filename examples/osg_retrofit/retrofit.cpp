@@ -106,7 +106,7 @@ class Retrofit::Hook : public osg::Drawable {
     late_->set(!settings.wait);
     inputs_.frame.source.mask = SIDERAY_MASK_COUNT;
     inputs_.frame.source.stencil_bits = stencil_bits;
-    inputs_.frame.deadline_ms = settings.deadline_ms;
+    inputs_.frame.budget_ms = settings.budget_ms;
     inputs_.layers->max_layers = settings.layers;
     inputs_.layers->ray_reuse = 1.0f / 64.0f;  // relative to white, which this engine displays as 1
     if (settings.shadows) {
@@ -134,7 +134,7 @@ class Retrofit::Hook : public osg::Drawable {
     settings_.wait = wait;
     late_->set(!wait);
   }
-  void set_deadline(float milliseconds) { inputs_.frame.deadline_ms = milliseconds; }
+  void set_budget(float milliseconds) { inputs_.frame.budget_ms = milliseconds; }
   sideray_frame_stats stats() const { return stats_; }
   sideray_ticket newest() const { return newest_; }
   const std::string& error() const { return error_; }
@@ -210,7 +210,7 @@ class Retrofit::Hook : public osg::Drawable {
       ticket = service_->submit(inputs_);
     }
     if (settings_.wait) service_->wait(*ticket);
-    // This engine's view is continuous, so where a deadline leaves out rays of later frames, older answers are shown.
+    // This engine's view is continuous, so frames whose budget leaves out rays show older answers.
     if (ticket) inputs_.frame.continues = 1;
     // Layers are a frame's last job here, so that its statistics are complete.
     if (const auto newest = service_->layers()) {
@@ -293,8 +293,8 @@ Retrofit::~Retrofit() {
   context->releaseContext();
 }
 
-void Retrofit::set_deadline(float milliseconds) {
-  hook_->set_deadline(milliseconds);
+void Retrofit::set_budget(float milliseconds) {
+  hook_->set_budget(milliseconds);
 }
 
 void Retrofit::set_wait(bool wait) {

@@ -18,7 +18,7 @@ struct RetrofitSettings {
   bool wait = true;  // for this frame's rays; otherwise the frame shows the newest answers, mostly one frame old
   uint32_t layers = 4;
   bool shadows = true;
-  float deadline_ms = 0;  // rays not started by then are dropped, and older answers shown; 0: no deadline
+  float budget_ms = 0;    // that rays may add to a frame, which shows older answers elsewhere; 0: no limit
   uint32_t threads = 0;   // 0: all
 };
 
@@ -32,7 +32,7 @@ class Retrofit {
   Retrofit& operator=(const Retrofit&) = delete;
 
   void set_wait(bool wait);
-  void set_deadline(float milliseconds);
+  void set_budget(float milliseconds);
   // Returns the reason why the retrofit stopped, empty if it runs. Destroy it then: glass without answers is drawn
   // wrong.
   const std::string& error() const;

@@ -156,8 +156,39 @@ void prepare_layers(const LayerColumns& c, int32_t first) {
   }
 }
 
+// Holds layers that are blurred, and the weighted sum of what they and their neighbours reflect.
+struct Blurred {
+  Centre centre;
+  real reach, roughness;
+  real3 normal;
+  real4 sum;
+  real weights;
+};
+
+// Adds neighbours where `wanted`. Weights are relative to 1 in the middle: `kernel` for an equal normal and roughness
+// nearby, falling to 0.
+SIDERAY_LANE void add_neighbours(const LayerColumns& c, integer other, boolean wanted, float kernel, Blurred& to) {
+  read_at(other, wanted, [&](const auto& read) {
+    const real reach_there = read(c.reach), shorter = min(to.reach, reach_there);
+    const real3 apart = read3(read, c.position) - to.centre.position;
+    const real far = dot(apart, apart) / (shorter * shorter);
+    const boolean is_near = wanted && !(reach_there < 0.0f) && !(far >= bell_end);
+    if (!sr_any(is_near)) return;
+    const real3 bend = read3(read, c.normal) - to.normal;
+    const real roughness_there = read(c.roughness), turn = to.roughness * to.roughness * share_of_lobe;
+    const real rougher = (roughness_there - to.roughness) / (min(to.roughness, roughness_there) * like_roughness);
+    const real weight = bell(far + dot(bend, bend) / (turn * turn) + rougher * rougher) * kernel;
+    const boolean counts = is_near && !(weight <= 0.0f);
+    if (!sr_any(counts)) return;
+    to.sum.x = sr_select(counts, to.sum.x + read(c.reflected[0]) * weight, to.sum.x);
+    to.sum.y = sr_select(counts, to.sum.y + read(c.reflected[1]) * weight, to.sum.y);
+    to.sum.z = sr_select(counts, to.sum.z + read(c.reflected[2]) * weight, to.sum.z);
+    to.sum.w = sr_select(counts, to.sum.w + read(c.reflected[3]) * weight, to.sum.w);
+    to.weights = sr_select(counts, to.weights + weight, to.weights);
+  });
+}
+
 void blur_layers(const LayerColumns& c, int32_t first, int32_t pass) {
-  // Weights relative to 1 in the middle.
   constexpr float kernel[around_count] = {0.25f, 0.5f, 0.25f, 0.5f, 0.5f, 0.25f, 0.5f, 0.25f};
   for (int32_t at = first; at < first + layers_at_once; at += lane_count) {
     const real reach = load_any(c.reach + at);
@@ -167,40 +198,17 @@ void blur_layers(const LayerColumns& c, int32_t first, int32_t pass) {
       store_any(c.filtered, at, own);
       continue;
     }
-    Centre centre = centre_at(c, at);
-    if (pass >= kept_steps) find_heads(c, at, 1 << pass, wanted, centre);
-    const real3 normal = load_any(c.normal, at);
-    const real roughness = load_any(c.roughness + at), turn = roughness * roughness * share_of_lobe;
-    real4 sum = own;
-    real weights(1.0f);
+    Blurred to{centre_at(c, at), reach, load_any(c.roughness + at), load_any(c.normal, at), own, real(1.0f)};
+    if (pass >= kept_steps) find_heads(c, at, 1 << pass, wanted, to.centre);
     for (int k = 0; k < around_count; ++k) {
-      if (pass >= kept_steps && !reaches(c, centre, reach, centre.heads[k])) continue;
-      const integer other = pass < kept_steps ? load_any(c.near[pass][k] + at) : like(c, centre, centre.heads[k]);
+      if (pass >= kept_steps && !reaches(c, to.centre, reach, to.centre.heads[k])) continue;
+      const integer other = pass < kept_steps ? load_any(c.near[pass][k] + at) : like(c, to.centre, to.centre.heads[k]);
       const boolean some = wanted && is_some(other);
-      if (!sr_any(some)) continue;
-      read_at(other, some, [&](const auto& read) {
-        const real reach_there = read(c.reach), shorter = min(reach, reach_there);
-        const real3 apart = read3(read, c.position) - centre.position;
-        const real far = dot(apart, apart) / (shorter * shorter);
-        const boolean is_near = some && !(reach_there < 0.0f) && !(far >= bell_end);
-        if (!sr_any(is_near)) return;
-        const real3 bend = read3(read, c.normal) - normal;
-        const real roughness_there = read(c.roughness);
-        const real rougher = (roughness_there - roughness) / (min(roughness, roughness_there) * like_roughness);
-        // 1 for an equal normal and roughness nearby, falling to 0.
-        const real weight = bell(far + dot(bend, bend) / (turn * turn) + rougher * rougher) * kernel[k];
-        const boolean counts = is_near && !(weight <= 0.0f);
-        if (!sr_any(counts)) return;
-        sum.x = sr_select(counts, sum.x + read(c.reflected[0]) * weight, sum.x);
-        sum.y = sr_select(counts, sum.y + read(c.reflected[1]) * weight, sum.y);
-        sum.z = sr_select(counts, sum.z + read(c.reflected[2]) * weight, sum.z);
-        sum.w = sr_select(counts, sum.w + read(c.reflected[3]) * weight, sum.w);
-        weights = sr_select(counts, weights + weight, weights);
-      });
+      if (sr_any(some)) add_neighbours(c, other, some, kernel[k], to);
     }
     store_any(c.filtered, at,
-              {sr_select(wanted, sum.x / weights, own.x), sr_select(wanted, sum.y / weights, own.y),
-               sr_select(wanted, sum.z / weights, own.z), sr_select(wanted, sum.w / weights, own.w)});
+              {sr_select(wanted, to.sum.x / to.weights, own.x), sr_select(wanted, to.sum.y / to.weights, own.y),
+               sr_select(wanted, to.sum.z / to.weights, own.z), sr_select(wanted, to.sum.w / to.weights, own.w)});
   }
 }
 

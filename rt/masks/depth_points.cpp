@@ -78,6 +78,12 @@ class DepthPoints::Single {
     double breadth;
     bool known;  // false: neither neighbour shows the same surface, and its tilt may be anything
   };
+  // Says how the surface of a pixel lies.
+  struct Tilt {
+    Step across, up;
+    glm::dvec3 normal;
+    bool known() const { return across.known && up.known; }
+  };
   // Describes how the depth continues on one side of a pixel.
   struct Side {
     double change;  // of the depth to the neighbour
@@ -99,6 +105,9 @@ class DepthPoints::Single {
   // Bounds the slope of the depth along the view ray, by the steeper of the surface's two sides.
   static double slope(const Side& best, const Side& other);
   static glm::dvec3 normal(const Step& across, const Step& up, const glm::dvec3& toward);
+  Tilt tilt(const ViewRays& view, size_t index) const;
+  // Sets where rays start in front of the surface and behind it; returns the largest error along the view ray.
+  static double start_rays(const Seen& here, const Tilt& tilt, float subpixel, DepthPoint& point);
   // Refines a point by a ray's hit on the surface, of which only the point itself is rounded.
   static DepthPoint exact(DepthPoint point, const Seen& here, const OpaquePoint& met, double least);
   DepthPoint point(const MaskRequest& request, const ViewRays& view, uint32_t x, uint32_t y, size_t index) const;
@@ -203,55 +212,67 @@ glm::dvec3 DepthPoints::Single::normal(const Step& across, const Step& up, const
   return length > 0.0 && std::isfinite(length) ? n / length : -toward;
 }
 
-DepthPoint DepthPoints::Single::point(const MaskRequest& r, const ViewRays& view, uint32_t x, uint32_t y,
-                                      size_t index) const {
-  const Seen& here = seen_[index];
-  const glm::dvec3 toward(here.direction);
+DepthPoints::Single::Tilt DepthPoints::Single::tilt(const ViewRays& view, size_t index) const {
   const auto sides_along = [&](ptrdiff_t stride) {
     return Sides{look(index, -stride, view.perspective()), look(index, stride, view.perspective())};
   };
   const Sides columns = sides_along(1), rows = sides_along(ptrdiff_t{side});
   // If one axis steps along one face and the other along another, the normal belongs to neither.
   const bool planes = columns.plane() && rows.plane();
-  const Step across = step(index, 1, columns, planes), up = step(index, ptrdiff_t{side}, rows, planes);
-  // The margin covers the depth's error and the rasterizer's snapping to its grid of sub-pixels, times the slope. The
-  // slope is exact up to the geometry between neighbours and a step of depth.
-  const auto moved_by = [&](double stored) {
-    return stored + (across.slope + up.slope + 4.0 * stored) * double{r.subpixel};
-  };
-  const double off = moved_by(here.off);
-  glm::dvec3 normal = Single::normal(across, up, toward);
-  if (!here.resting && glm::dot(normal, toward) > 0.0) normal = -normal;
-  const double least = rounding * largest(here.position);
+  const Seen& here = seen_[index];
+  const glm::dvec3 toward(here.direction);
+  Tilt tilt{step(index, 1, columns, planes), step(index, ptrdiff_t{side}, rows, planes), {}};
+  tilt.normal = normal(tilt.across, tilt.up, toward);
+  if (!here.resting && glm::dot(tilt.normal, toward) > 0.0) tilt.normal = -tilt.normal;
+  return tilt;
+}
+
+DepthPoint DepthPoints::Single::point(const MaskRequest& r, const ViewRays& view, uint32_t x, uint32_t y,
+                                      size_t index) const {
+  const Seen& here = seen_[index];
+  const Tilt tilt = this->tilt(view, index);
   DepthPoint p{};
   p.x = static_cast<uint16_t>(x);
   p.y = static_cast<uint16_t>(y);
-  p.normal = glm::vec3(normal);
-  const auto doubt = [&](const Step& s) { return s.known ? 2.0 * here.off / glm::length(s.along) : 0.0; };
-  p.doubt = static_cast<float>(std::min(doubt(across) + doubt(up), 2.0));
-  // In the rest pose the surface has another tilt, so errors along and across the view ray count in full.
-  const double any_way = off + (across.breadth + up.breadth) * double{r.subpixel};
-  const glm::dvec3 moved = here.resting ? normal * (any_way + least) : -toward * off + normal * least;
-  p.front = glm::vec3(here.position + moved);
-  // If the tilt is unknown, rays skip nearby hits. Behind the surface they start as close to it as possible, to miss no
-  // surface behind it.
-  const bool known = across.known && up.known;
-  const glm::dvec3 moved_back = known || here.resting ? moved : -toward * moved_by(here.noise) + normal * least;
-  p.back = glm::vec3(here.position - moved_back);
+  p.normal = glm::vec3(tilt.normal);
   p.inexact = here.marked;
   p.bias = r.inexact_bias;
   if (r.inexact == SIDERAY_INEXACT_BOUNDED && !r.rest_offsets.empty())
     p.bias = std::max(r.rest_offsets[size_t{y} * r.width + x].w, 0.0f);
+  const double off = start_rays(here, tilt, r.subpixel, p), least = rounding * largest(here.position);
   if (!r.points.empty() && !here.resting) {
     const OpaquePoint& met = r.points[size_t{y} * r.width + x];
     if (std::abs(met.distance - here.distance) <= off + least) return exact(p, here, met, least);
   }
-  if (!across.known || !up.known) {
+  if (!tilt.known()) {
     const ViewRays::Pixel pixel = view.pixel(x, y), beside = view.pixel(x + 1, y);
     const glm::dvec3 turn(beside.direction - pixel.direction), move(beside.origin - pixel.origin);
     p.skip = static_cast<float>(pixel_share * glm::length(turn * here.distance + move));
   }
   return p;
+}
+
+double DepthPoints::Single::start_rays(const Seen& here, const Tilt& tilt, float subpixel, DepthPoint& p) {
+  const auto& [across, up, normal] = tilt;
+  const glm::dvec3 toward(here.direction);
+  // The margin covers the depth's error and the rasterizer's snapping to its grid of sub-pixels, times the slope. The
+  // slope is exact up to the geometry between neighbours and a step of depth.
+  const auto moved_by = [&](double stored) {
+    return stored + (across.slope + up.slope + 4.0 * stored) * double{subpixel};
+  };
+  const double off = moved_by(here.off), least = rounding * largest(here.position);
+  const auto doubt = [&](const Step& s) { return s.known ? 2.0 * here.off / glm::length(s.along) : 0.0; };
+  p.doubt = static_cast<float>(std::min(doubt(across) + doubt(up), 2.0));
+  // In the rest pose the surface has another tilt, so errors along and across the view ray count in full.
+  const double any_way = off + (across.breadth + up.breadth) * double{subpixel};
+  const glm::dvec3 moved = here.resting ? normal * (any_way + least) : -toward * off + normal * least;
+  p.front = glm::vec3(here.position + moved);
+  // If the tilt is unknown, rays skip nearby hits. Behind the surface they start as close to it as possible, to miss no
+  // surface behind it.
+  const glm::dvec3 moved_back =
+      tilt.known() || here.resting ? moved : -toward * moved_by(here.noise) + normal * least;
+  p.back = glm::vec3(here.position - moved_back);
+  return off;
 }
 
 DepthPoint DepthPoints::Single::exact(DepthPoint p, const Seen& here, const OpaquePoint& met, double least) {

@@ -230,8 +230,19 @@ ShadowFilter::Tile ShadowFilter::around(uint32_t tile_x, uint32_t tile_y) const 
 // Decides which tiles of a row the filter changes, and how far it reaches there.
 void ShadowFilter::classify(const ShadowFilterInput& input, uint32_t tile_y, ShadowRow& row) {
   if (leader_ != this || !row_states_[tile_y].loaded) return;
-  const ShadowTerms terms = terms_of(input);
   row.reaches.assign(tiles_x_, {});
+  find_active(input, tile_y, row);
+  find_reach(input, tile_y, row);
+  for (const Sharing& shared : sharing_) {
+    if (shared.filter == this) continue;
+    shared.filter->row_states_[tile_y].active = row_states_[tile_y].active;
+    for (size_t i = size_t{tile_y} * tiles_x_; i < (size_t{tile_y} + 1) * tiles_x_; ++i)
+      shared.filter->tiles_[i].active = tiles_[i].active;
+  }
+}
+
+// Finds the tiles in which some mask varies, and how near their occluders are.
+void ShadowFilter::find_active(const ShadowFilterInput& input, uint32_t tile_y, ShadowRow& row) {
   for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
     Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
     if (!tile.loaded) continue;
@@ -244,6 +255,10 @@ void ShadowFilter::classify(const ShadowFilterInput& input, uint32_t tile_y, Sha
     row_states_[tile_y].active |= tile.active;
     row.reaches[tile_x].nearness = near.hits > 0.0f ? near.hits / near.distances : 0.0f;
   }
+}
+
+void ShadowFilter::find_reach(const ShadowFilterInput& input, uint32_t tile_y, ShadowRow& row) {
+  const ShadowTerms terms = terms_of(input);
   const ShadowPlanes to = planes();
   for (uint32_t y = tile_y * side; y < (tile_y + 1) * side; ++y)
     for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
@@ -257,12 +272,6 @@ void ShadowFilter::classify(const ShadowFilterInput& input, uint32_t tile_y, Sha
   for (uint32_t tile_x = 0; tile_x < tiles_x_; ++tile_x) {
     Tile& tile = tiles_[size_t{tile_y} * tiles_x_ + tile_x];
     if (tile.loaded) tile.reach = std::ranges::max(row.reaches[tile_x].longest);
-  }
-  for (const Sharing& shared : sharing_) {
-    if (shared.filter == this) continue;
-    shared.filter->row_states_[tile_y].active = row_states_[tile_y].active;
-    for (size_t i = size_t{tile_y} * tiles_x_; i < (size_t{tile_y} + 1) * tiles_x_; ++i)
-      shared.filter->tiles_[i].active = tiles_[i].active;
   }
 }
 
@@ -337,6 +346,27 @@ std::vector<size_t> ShadowFilter::share_guides(std::span<ShadowFilter* const> fi
   return firsts;
 }
 
+// Computes the surfaces that the filters share, in all tiles that one of them loads.
+void ShadowFilter::fill_guides(Executor& executor, std::span<ShadowFilter* const> filters,
+                               std::span<const ShadowFilterInput> inputs) {
+  const std::vector<size_t> guides = share_guides(filters, inputs);
+  for (const size_t i : guides) filters[i]->guide_->needed.assign(filters[i]->tiles_.size(), 0);
+  for (ShadowFilter* filter : filters)
+    std::transform(filter->tiles_.begin(), filter->tiles_.end(), filter->guide_->needed.begin(),
+                   filter->guide_->needed.begin(),
+                   [](const Tile& tile, uint8_t needed) { return static_cast<uint8_t>(tile.loaded ? 1 : needed); });
+  const size_t rows = filters[0]->tiles_y_;
+  executor.run(rows * guides.size(), [&](size_t piece, uint32_t) {
+    const size_t i = guides[piece / rows];
+    Guide& to = *filters[i]->guide_;
+    filters[i]->invert(inputs[i].depth, static_cast<uint32_t>(piece % rows), to.needed, to.inverse.data());
+  });
+  executor.run(rows * guides.size(), [&](size_t piece, uint32_t) {
+    ShadowFilter& filter = *filters[guides[piece / rows]];
+    filter.slope(static_cast<uint32_t>(piece % rows), filter.guide_->needed);
+  });
+}
+
 void ShadowFilter::spatial(Executor& executor, std::span<ShadowFilter* const> filters,
                            std::span<const ShadowFilterInput> inputs, bool whole) {
   if (filters.empty()) return;
@@ -346,7 +376,6 @@ void ShadowFilter::spatial(Executor& executor, std::span<ShadowFilter* const> fi
   }
   const size_t rows = filters[0]->tiles_y_;
   share_reach(filters, inputs);
-  const std::vector<size_t> guides = share_guides(filters, inputs);
   std::vector<ShadowRow> scratch(executor.threads());
   const auto run = [&](const auto& work) {
     executor.run(rows * filters.size(), [&](size_t piece, uint32_t thread) {
@@ -362,21 +391,7 @@ void ShadowFilter::spatial(Executor& executor, std::span<ShadowFilter* const> fi
       work(loaded[index] / rows, static_cast<uint32_t>(loaded[index] % rows), scratch[thread]);
     });
   };
-  for (const size_t i : guides) filters[i]->guide_->needed.assign(filters[i]->tiles_.size(), 0);
-  for (ShadowFilter* filter : filters)
-    std::transform(filter->tiles_.begin(), filter->tiles_.end(), filter->guide_->needed.begin(),
-                   filter->guide_->needed.begin(),
-                   [](const Tile& tile, uint8_t needed) { return static_cast<uint8_t>(tile.loaded ? 1 : needed); });
-  const auto guide = [&](const auto& work) {
-    executor.run(rows * guides.size(), [&](size_t piece, uint32_t) {
-      ShadowFilter& filter = *filters[guides[piece / rows]];
-      work(filter, *filter.guide_, inputs[guides[piece / rows]].depth, static_cast<uint32_t>(piece % rows));
-    });
-  };
-  guide([](ShadowFilter& filter, Guide& to, std::span<const float> depth, uint32_t y) {
-    filter.invert(depth, y, to.needed, to.inverse.data());
-  });
-  guide([](ShadowFilter& filter, Guide& to, std::span<const float>, uint32_t y) { filter.slope(y, to.needed); });
+  fill_guides(executor, filters, inputs);
   run_loaded([&](size_t i, uint32_t y, ShadowRow& row) { filters[i]->load(inputs[i], y, row); });
   run_loaded([&](size_t i, uint32_t y, ShadowRow& row) { filters[i]->classify(inputs[i], y, row); });
   for (int pass = 0; pass < passes; ++pass) {

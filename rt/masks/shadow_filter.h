@@ -92,6 +92,8 @@ class ShadowFilter {
   static void share_reach(std::span<ShadowFilter* const> filters, std::span<const ShadowFilterInput> inputs);
   static std::vector<size_t> share_guides(std::span<ShadowFilter* const> filters,
                                           std::span<const ShadowFilterInput> inputs);
+  static void fill_guides(Executor& executor, std::span<ShadowFilter* const> filters,
+                          std::span<const ShadowFilterInput> inputs);
   void choose(const ShadowFilterInput& input, uint32_t tile_y);
   void invert(std::span<const float> depth, uint32_t tile_y, std::span<const uint8_t> needed, float* inverse) const;
   void slope(uint32_t tile_y, std::span<const uint8_t> needed);
@@ -103,6 +105,8 @@ class ShadowFilter {
   // Sums up a tile and its neighbours.
   Tile around(uint32_t tile_x, uint32_t tile_y) const;
   void classify(const ShadowFilterInput& input, uint32_t tile_y, ShadowRow& row);
+  void find_active(const ShadowFilterInput& input, uint32_t tile_y, ShadowRow& row);
+  void find_reach(const ShadowFilterInput& input, uint32_t tile_y, ShadowRow& row);
   static bool reaches(const Tile& tile, int32_t step);
   void blur(uint32_t tile_y, int32_t step);
   void accumulate(const ShadowSequence& sequence, std::span<const glm::vec2> moved, uint32_t tile_y);

@@ -203,6 +203,50 @@ shading::SrFixedModel fixed_model(const ShadingScene& scene) {
   return {glm::vec3(m.ambient[0], m.ambient[1], m.ambient[2]), m.two_sided, m.separate};
 }
 
+// Holds what vertices and textures give a patch; normals are those of its front.
+struct TexturedPatch {
+  TextureValues textures;
+  glm::vec3 smooth, normal, coat_normal;
+  glm::vec4 tangent, vertex_color;
+};
+
+// `direction`, `width` and `steps`: of the ray's cone there.
+TexturedPatch textured(const ShadingScene& scene, const Patch& patch, glm::vec3 direction, float width,
+                       const PixelSteps* steps) {
+  const sideray_material_desc& desc = scene.snapshot->materials[patch.instance.material].desc;
+  const std::vector<TextureRead>& reads = scene.textures[patch.instance.material];
+  const glm::vec3 smooth = smooth_normal(patch);
+  TexturedPatch t{no_textures, smooth, smooth, smooth, glm::vec4(0.0f), glm::vec4(1.0f)};
+  if (needs_frame(desc, !reads.empty())) t.tangent = tangent_of(patch);
+  if (!reads.empty()) {
+    const TextureFootprint footprint = texture_footprint(patch.edge1, patch.edge2, direction, width, steps);
+    t.textures = read_textures(reads, {patch.mesh, patch.triangle, patch.weights, footprint}, desc.occlusion_strength);
+    if (desc.normal_texture.texture || desc.clearcoat_normal_texture.texture) {
+      t.normal = shading::sr_perturb(smooth, t.tangent, t.textures.normal, desc.normal_scale);
+      t.coat_normal = shading::sr_perturb(smooth, t.tangent, t.textures.coat_normal, desc.clearcoat_normal_scale);
+    }
+  }
+  if (patch.mesh.has_colors) t.vertex_color = interpolate(patch.mesh.colors, patch.triangle, patch.weights);
+  return t;
+}
+
+SrSurface seen_surface(const ShadingScene& scene, const Patch& patch, const TexturedPatch& t, glm::vec3 to_eye,
+                       bool front) {
+  const uint32_t material = patch.instance.material;
+  const SrMaterial& factors = scene.materials[material];
+  shading::SrTexels texels = t.textures.texels;
+  // In the fixed function, vertex colour follows other rules.
+  if (patch.mesh.has_colors && !scene.snapshot->fixed) texels.base_color *= t.vertex_color;
+  // A solid's thickness absorbs only where light enters it.
+  if (patch.instance.solid && !front) texels.thickness = 0.0f;
+  const SrSurface away =
+      shading::sr_surface(factors, texels, front ? t.normal : -t.normal, front ? t.coat_normal : -t.coat_normal);
+  const SrSurface seen = seen_surface(factors, texels, away, to_eye, t.smooth, t.tangent);
+  if (!scene.snapshot->fixed) return seen;
+  return shading::sr_fixed_surface(seen, scene.fixed_materials[material], fixed_model(scene), texels.base_color,
+                                   t.vertex_color, front, factors.alpha_mode == SIDERAY_BLEND, to_eye);
+}
+
 }  // namespace
 
 ShadingScene::ShadingScene(std::shared_ptr<const model::Snapshot> committed) : snapshot(std::move(committed)) {
@@ -228,39 +272,12 @@ SurfacePoint surface_point(const ShadingScene& scene, const Hit& hit, const Ray&
                            const PixelSteps* steps) {
   if (scene.snapshot->instances[hit.instance].sprites != 0) return sprite_point(*scene.snapshot, hit, ray, cone);
   const Patch patch = make_patch(*scene.snapshot, hit);
-  const uint32_t material = patch.instance.material;
-  const sideray_material_desc& desc = scene.snapshot->materials[material].desc;
-
-  SurfacePoint point{};
   const float width = cone.width + cone.spread * static_cast<float>(hit.distance);
-  TextureValues textures = no_textures;
-  const glm::vec3 smooth = smooth_normal(patch);
-  const SrMaterial& factors = scene.materials[material];
-  const glm::vec4 tangent = needs_frame(desc, !scene.textures[material].empty()) ? tangent_of(patch) : glm::vec4(0.0f);
-  glm::vec3 normal = smooth, coat_normal = smooth;
-  if (!scene.textures[material].empty()) {
-    const TextureFootprint footprint = texture_footprint(patch.edge1, patch.edge2, ray.direction, width, steps);
-    textures = read_textures(scene.textures[material], {patch.mesh, patch.triangle, patch.weights, footprint},
-                             desc.occlusion_strength);
-    if (desc.normal_texture.texture || desc.clearcoat_normal_texture.texture) {
-      normal = shading::sr_perturb(coat_normal, tangent, textures.normal, desc.normal_scale);
-      coat_normal = shading::sr_perturb(coat_normal, tangent, textures.coat_normal, desc.clearcoat_normal_scale);
-    }
-  }
-  glm::vec4 vertex_color(1.0f);
-  if (patch.mesh.has_colors) vertex_color = interpolate(patch.mesh.colors, patch.triangle, patch.weights);
-  // In the fixed function, vertex colour follows other rules.
-  if (patch.mesh.has_colors && !scene.snapshot->fixed) textures.texels.base_color *= vertex_color;
-  // A solid's thickness absorbs only where light enters it.
-  if (patch.instance.solid && !hit.front) textures.texels.thickness = 0.0f;
+  const sideray_material_desc& desc = scene.snapshot->materials[patch.instance.material].desc;
+  SurfacePoint point{};
   point.to_eye = -ray.direction;
-  const SrSurface away = shading::sr_surface(factors, textures.texels, hit.front ? normal : -normal,
-                                             hit.front ? coat_normal : -coat_normal);
-  point.surface = seen_surface(factors, textures.texels, away, point.to_eye, smooth, tangent);
-  if (scene.snapshot->fixed)
-    point.surface = shading::sr_fixed_surface(point.surface, scene.fixed_materials[material], fixed_model(scene),
-                                              textures.texels.base_color, vertex_color, hit.front,
-                                              factors.alpha_mode == SIDERAY_BLEND, point.to_eye);
+  point.surface = seen_surface(scene, patch, textured(scene, patch, ray.direction, width, steps), point.to_eye,
+                               hit.front);
   point.position = patch.instance.local_from_object *
                    glm::vec4(interpolate(patch.mesh.positions, patch.triangle, patch.weights), 1.0f);
   point.geometric_normal = hit.front ? patch.front : -patch.front;

@@ -66,61 +66,24 @@ void take(TextureValues& v, uint32_t slot, glm::vec4 value, float occlusion_stre
   using D = sideray_material_desc;
   SrTexels& t = v.texels;
   switch (slot) {
-    case number(&D::base_color_texture):
-      t.base_color = value;
-      break;
-    case number(&D::metallic_roughness_texture):
-      t.roughness = value.y;
-      t.metallic = value.z;
-      break;
-    case number(&D::normal_texture):
-      v.normal = glm::vec3(value) * 2.0f - 1.0f;
-      break;
-    case number(&D::occlusion_texture):
-      t.occlusion = 1.0f + occlusion_strength * (value.x - 1.0f);
-      break;
-    case number(&D::emissive_texture):
-      t.emissive = glm::vec3(value);
-      break;
-    case number(&D::transmission_texture):
-      t.transmission = value.x;
-      break;
-    case number(&D::thickness_texture):
-      t.thickness = value.y;
-      break;
-    case number(&D::specular_texture):
-      t.specular = value.w;
-      break;
-    case number(&D::specular_color_texture):
-      t.specular_color = glm::vec3(value);
-      break;
-    case number(&D::clearcoat_texture):
-      t.clearcoat = value.x;
-      break;
-    case number(&D::clearcoat_roughness_texture):
-      t.clearcoat_roughness = value.y;
-      break;
-    case number(&D::clearcoat_normal_texture):
-      v.coat_normal = glm::vec3(value) * 2.0f - 1.0f;
-      break;
-    case number(&D::sheen_color_texture):
-      t.sheen_color = glm::vec3(value);
-      break;
-    case number(&D::sheen_roughness_texture):
-      t.sheen_roughness = value.w;
-      break;
-    case number(&D::diffuse_transmission_texture):
-      t.diffuse_transmission = value.w;
-      break;
-    case number(&D::diffuse_transmission_color_texture):
-      t.diffuse_transmission_color = glm::vec3(value);
-      break;
-    case number(&D::iridescence_texture):
-      t.iridescence = value.x;
-      break;
-    case number(&D::iridescence_thickness_texture):
-      t.iridescence_thickness = value.y;
-      break;
+    case number(&D::base_color_texture): t.base_color = value; break;
+    case number(&D::metallic_roughness_texture): t.roughness = value.y; t.metallic = value.z; break;
+    case number(&D::normal_texture): v.normal = glm::vec3(value) * 2.0f - 1.0f; break;
+    case number(&D::occlusion_texture): t.occlusion = 1.0f + occlusion_strength * (value.x - 1.0f); break;
+    case number(&D::emissive_texture): t.emissive = glm::vec3(value); break;
+    case number(&D::transmission_texture): t.transmission = value.x; break;
+    case number(&D::thickness_texture): t.thickness = value.y; break;
+    case number(&D::specular_texture): t.specular = value.w; break;
+    case number(&D::specular_color_texture): t.specular_color = glm::vec3(value); break;
+    case number(&D::clearcoat_texture): t.clearcoat = value.x; break;
+    case number(&D::clearcoat_roughness_texture): t.clearcoat_roughness = value.y; break;
+    case number(&D::clearcoat_normal_texture): v.coat_normal = glm::vec3(value) * 2.0f - 1.0f; break;
+    case number(&D::sheen_color_texture): t.sheen_color = glm::vec3(value); break;
+    case number(&D::sheen_roughness_texture): t.sheen_roughness = value.w; break;
+    case number(&D::diffuse_transmission_texture): t.diffuse_transmission = value.w; break;
+    case number(&D::diffuse_transmission_color_texture): t.diffuse_transmission_color = glm::vec3(value); break;
+    case number(&D::iridescence_texture): t.iridescence = value.x; break;
+    case number(&D::iridescence_thickness_texture): t.iridescence_thickness = value.y; break;
     case number(&D::anisotropy_texture):
       t.anisotropy_along = value.x * 2.0f - 1.0f;
       t.anisotropy_across = value.y * 2.0f - 1.0f;

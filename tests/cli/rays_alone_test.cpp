@@ -97,5 +97,30 @@ TEST_F(RaysAlone, DrawSequences) {
   }
 }
 
+std::vector<float> reds(const std::string& path) {
+  return scenes::read_image(path).find("R")->values;
+}
+
+// A camera that turns a quarter with its surroundings sees the same of them.
+TEST_F(RaysAlone, TurnAndScaleSurroundings) {
+  draw("panes --size 32x16 --gl none -o around.exr");
+  const std::string arguments = "panes --size 16x9 --gl none --env around.exr --eye 0,50,0 ";
+  draw(arguments + "-o east.exr --target 10,53,0");
+  draw(arguments + "-o north.exr --target 0,53,-10");
+  draw(arguments + "-o turned.exr --target 0,53,-10 --env-rotate 90 --env-scale 2");
+  const std::vector<float> east = reds(path("east.exr")), turned = reds(path("turned.exr"));
+  EXPECT_NE(east, reds(path("north.exr")));
+  for (size_t i = 0; i < east.size(); ++i) EXPECT_NEAR(turned[i], 2.0f * east[i], 0.004f * east[i]) << i;
+}
+
+TEST_F(RaysAlone, LightAFileWithoutLightsBySun) {
+  const std::string arguments = SIDERAY_SOURCE_DIR "/tests/fuzz/corpus/scene/morphed.gltf --size 16x9 --gl none --env none ";
+  draw(arguments + "-o sun.exr");
+  draw(arguments + "-o dark.exr --default-light off");
+  const std::vector<float> sun = reds(path("sun.exr")), dark = reds(path("dark.exr"));
+  EXPECT_GT(std::ranges::max(sun), 0.01f);
+  EXPECT_EQ(std::ranges::max(dark), 0.0f);
+}
+
 }  // namespace
 }  // namespace sideray::cli_tests

@@ -28,9 +28,8 @@ std::ostream& operator<<(std::ostream& out, const Case& c) {
              << " degrees, distance " << c.distance << ", near " << c.near << ", fov " << c.fov_deg;
 }
 
-// Returns the bound on the difference of rasterization and rays at the far end of the surfaces (techniques.md F8,
-// fragments): the slope over a subpixel, and rounding. It is measured across the surfaces, since the gap along the ray
-// grows with the slope.
+// Returns the bound on the difference of rasterization and rays at the far end of the surfaces: the slope over a
+// subpixel, and rounding. It is measured across the surfaces, since the gap along the ray grows with the slope.
 double bound(const Case& c, uint32_t height) {
   const double fov = glm::radians(c.fov_deg), pixel = 2.0 * std::tan(0.5 * fov) / height;
   const double sine = c.angle_deg > 0.0 ? 1.0 : std::sin(fov);  // of the largest angle in the picture
