@@ -193,10 +193,10 @@ enum {
   SIDERAY_VISIBLE_ALL = 15u
 };
 
-/* How wind moves an instance: sr_wind() of shaders/wind.h, in the mesh's own space, whose origin is the plant's root
- * and whose +Y is up. The trunk bends with the square of the height; branches swing in proportion to their distance
- * from the trunk, with a phase that changes along the wind; leaves flutter. If a plant has several instances, give them
- * the same numbers and phases, and leaf_amplitude 0 to those without leaves. */
+/* How wind moves an instance: sr_wind() of shaders/shading/wind.h, in the mesh's own space, whose origin is the plant's
+ * root and whose +Y is up. The trunk bends with the square of the height; branches swing in proportion to their
+ * distance from the trunk, with a phase that changes along the wind; leaves flutter. If a plant has several instances,
+ * give them the same numbers and phases, and leaf_amplitude 0 to those without leaves. */
 typedef uint32_t sideray_wind;
 
 typedef struct sideray_wind_desc {

@@ -363,7 +363,7 @@ class Service {
 
 // The options of a picture with their parts by value, with the defaults of sideray_render_defaults.
 struct RenderOptions {
-  sideray_render_options picture = sideray_render_defaults();  // its pointers are not read, but for `diagnostics`
+  sideray_render_options picture = sideray_render_defaults();  // of its pointers only `diagnostics` is read
   std::optional<sideray_translucency_options> translucency = sideray_translucency_defaults();
   std::optional<sideray_shadow_options> shadows = sideray_shadow_defaults();
   std::optional<sideray_pose_options> poses = sideray_pose_defaults();

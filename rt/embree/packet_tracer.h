@@ -48,7 +48,7 @@ struct LayerQuery : embree::Query {
 
   std::span<const Ray> rays;  // those of the packet
   Hit* hits = nullptr;
-  // `nearest` is used for one layer; lists serve only the lanes whose bit is in `listed`.
+  // One layer is kept in `nearest`, and in the lists for lanes whose bit is in `listed`.
   NearestBlock nearest{};
   uint32_t listed = 0;
 

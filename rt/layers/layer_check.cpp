@@ -43,7 +43,7 @@ class TruthSink final : public LayerSink {
 };
 
 CacheRequest to_the_last_surface(CacheRequest request) {
-  if (request.mask == SIDERAY_MASK_COUNT) request.mask = SIDERAY_MASK_STENCIL;  // whatever the count
+  if (request.mask == SIDERAY_MASK_COUNT) request.mask = SIDERAY_MASK_STENCIL;  // a count would limit the layers
   request.max_layers = 0;
   request.step = SIDERAY_STEP_MULTIHIT;
   request.cache_rate = SIDERAY_RATE_FULL;

@@ -51,8 +51,8 @@ class DepthPoints {
 
   // Returns the points of a tile's pixels with a surface. They are valid until the next call.
   const PointTile& gather(const MaskRequest& request, const ViewRays& view, uint32_t x0, uint32_t y0);
-  // Keeps of the last tile's points only those in the middle of squares of step x step pixels. `step` must divide the
-  // tile.
+  // Drops the last tile's points, except those in the middle of squares of step x step pixels. `step` must divide the
+  // tile's side.
   const PointTile& thin(uint32_t step);
   // Does the same pixel by pixel: for orthographic views, for points from rays, and for testing gather().
   const PointTile& gather_singly(const MaskRequest& request, const ViewRays& view, uint32_t x0, uint32_t y0);

@@ -14,7 +14,7 @@
 
 namespace sideray::rt {
 
-// Holds what the random numbers of a kind of rays depend on, and the kind of the inexact test.
+// Says what the random numbers of some rays depend on, and which inexact test they take.
 struct RayRandom {
   uint32_t seed;
   uint32_t purpose;    // of the samples on a light or in the sky

@@ -21,7 +21,7 @@ namespace sideray::rt {
 
 struct HitShading {
   bool shadows = true;      // traces shadow rays
-  bool tell_rough = false;  // rough() has results
+  bool tell_rough = false;  // fills in rough()
   // LayerRequest::ray_reuse. Above 0, faint lights are sampled at random; otherwise every light that reaches a point gets
   // a shadow ray.
   float error = 0.0f;

@@ -79,7 +79,7 @@ struct EnvironmentLevels {
   static constexpr int32_t most = 16;
   const float* texels[most];
   float width[most], height[most];
-  int32_t count;  // 0: black
+  int32_t count;  // 0: the environment is black
   bool uniform;   // the same in all directions
 };
 

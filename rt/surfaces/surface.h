@@ -31,7 +31,7 @@ struct ShadingScene {
   std::vector<shading::SrLight> lights;            // lights that emit anything
   std::vector<uint32_t> light_numbers;             // their indices in the snapshot
   SceneRecords records;                            // the same for kernels
-  // Is set if anything translucent casts a shadow (model::tints_light()): the media that light passes. Otherwise null.
+  // The media that light passes; null if nothing translucent casts a shadow (model::tints_light()).
   std::shared_ptr<const RefractionScene> glass;
   // Samples the emissive surfaces by which surfaces light each other; null: only random rays find those.
   std::shared_ptr<const EmitterSampler> emitters;

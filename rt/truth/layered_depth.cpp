@@ -32,7 +32,7 @@ sideray_surface_face face_of(const model::Material& material, const Hit& hit) {
 struct LayerMet {
   Hit hit;
   const Ray* ray;  // the ray that hit it
-  double length;   // of the path before that ray
+  double length;   // of the path from the camera to the ray's origin
   glm::vec3 normal, geometric_normal;
 };
 

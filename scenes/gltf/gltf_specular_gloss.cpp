@@ -6,7 +6,7 @@
 
 #include "elementary/functions.h"
 
-// Follows Khronos' conversion (KHR_materials_pbrSpecularGlossiness, examples/convert-between-workflows): metallic is
+// Follows Khronos' conversion (KHR_materials_pbrSpecularGlossiness/examples/convert-between-workflows): metallic is
 // the value for which a metallic-roughness surface has the brightness of the given diffuse and specular colours.
 namespace sideray::scenes::gltf {
 namespace {
