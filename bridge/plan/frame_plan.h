@@ -52,8 +52,8 @@ struct FramePlan {
   bool without_color;  // nothing is lit or averaged
   bool ground_truth;   // its channels are shown, by separate rays
   bool masks_shadows() const { return masks.shadow_lights != 0 || masks.combined_lights; }
-  // Masks hold the tints of opaque surfaces. Beside them, maps would tint only the light on translucent surfaces, and the
-  // maps of many lamps cost more than that shows.
+  // Masks hold the tints of opaque surfaces. Maps beside them would tint only the light on translucent surfaces, which
+  // shows less than the maps of many lamps cost.
   bool draws_tint_maps() const { return glass_shadows && !masks_shadows(); }
   bool masks_occlusion() const { return masks_shadows() || masks.ao_rays != 0; }
   uint32_t shadow_masks() const {

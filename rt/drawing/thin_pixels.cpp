@@ -18,8 +18,7 @@ struct WindowVertex {
   double depth, w;
 };
 
-// Is the part of a line from `first` to `last`, as shares of its length. clip() keeps what has distances >= 0 from a
-// plane.
+// A part of a line, from `first` to `last` as shares of its length. clip() keeps what has distances >= 0 from a plane.
 struct Part {
   double first = 0.0, last = 1.0;
   void clip(double at_start, double at_end) {

@@ -79,7 +79,7 @@ class PixelTrail {
 };
 
 // Calls work(first, count, from) for parts of a row of pixels that were side by side in the previous frame, from `from`
-// on, or were nowhere.
+// on, or had no place in it.
 template <typename Work>
 void for_runs(const uint32_t* from, uint32_t count, const Work& work) {
   for (uint32_t first = 0, end = 1; first < count; first = end++) {
