@@ -101,14 +101,16 @@ SIDERAY_LANE real3 broadcast(const float* v) {
 }
 
 // Computes texture_footprint(): x and y of the first diameter, then of the second.
-SIDERAY_LANE void store_footprint(real3 edge1, real3 edge2, real3 normal, real3 direction, real width,
-                                  const float* steps, BlockRow (&rows)[4], int at) {
+SIDERAY_LANE void store_footprint(const PatchBlock& patches, const HitBlock& hits, BlockRow (&rows)[4], int at) {
+  const real3 edge1 = load3(patches.edge1, at), edge2 = load3(patches.edge2, at), normal = cross(edge1, edge2);
+  const real3 direction = load3(hits.direction, at);
+  const real width = load(hits.width + at);
   const real squared_area = dot(normal, normal);
   const boolean sound = squared_area > 1e-36f;
   const real3 unit = normal * (1.0f / sqrt(squared_area));
   const real cosine = dot(unit, direction);
   real3 first, second;
-  if (steps) {
+  if (const float* const steps = hits.steps) {
     const real slope = 1.0f / sr_select(abs(cosine) > 1e-4f, cosine, real(1e-4f));
     const auto on_plane = [&](real3 step) { return (step - direction * (dot(unit, step) * slope)) * width; };
     first = on_plane(broadcast(steps));

@@ -270,25 +270,29 @@ void fix_surfaces(const SurfaceTables& tables, const HitBlock& hits, const Mater
   }
 }
 
+// Sets where the hits are, how they lie, and their `smooth` normals.
+void place_hits(const PatchBlock& patches, const HitBlock& hits, BlockRow (&smooth)[3], SurfaceBlock& block) {
+  for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
+    const real3 normal = cross(load3(patches.edge1, at), load3(patches.edge2, at));
+    const boolean mirrored = load(patches.mirrored + at) > 0.0f, front = load(hits.front + at) > 0.0f;
+    const real3 unit = unit_or(sr_select(mirrored, -normal, normal), real3(real(0.0f), real(1.0f), real(0.0f)));
+    store3(smooth, at, unit_or(load3(patches.normal, at), unit));
+    store3(block.geometric_normal, at, sr_select(front, unit, -unit));
+    store3(block.to_eye, at, -load3(hits.direction, at));
+    store3(block.position, at, load3(patches.position, at));
+    store(block.offset + at, load(patches.largest + at) * share_of_rounding);
+  }
+}
+
 void surfaces_of_hits(const SurfaceTables& tables, const HitBlock& hits, SurfaceBlock& block) {
   PatchBlock patches;
   MaterialBlock materials;
   TexelBlock texels;
   alignas(64) BlockRow footprint[4], smooth[3], volume[3];
   const HitReads reads = gather_hits(tables, hits, patches, materials);
-  for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
-    const real3 edge1 = load3(patches.edge1, at), edge2 = load3(patches.edge2, at);
-    const real3 normal = cross(edge1, edge2), direction = load3(hits.direction, at);
-    const boolean mirrored = load(patches.mirrored + at) > 0.0f, front = load(hits.front + at) > 0.0f;
-    const real3 unit = unit_or(sr_select(mirrored, -normal, normal), real3(real(0.0f), real(1.0f), real(0.0f)));
-    store3(smooth, at, unit_or(load3(patches.normal, at), unit));
-    store3(block.geometric_normal, at, sr_select(front, unit, -unit));
-    store3(block.to_eye, at, -direction);
-    store3(block.position, at, load3(patches.position, at));
-    store(block.offset + at, load(patches.largest + at) * share_of_rounding);
-    if (reads.textured != 0)
-      store_footprint(edge1, edge2, normal, direction, load(hits.width + at), hits.steps, footprint, at);
-  }
+  place_hits(patches, hits, smooth, block);
+  for (int at = 0; reads.textured != 0 && at < static_cast<int>(block_size); at += lane_count)
+    store_footprint(patches, hits, footprint, at);
   read_block(tables, hits, reads, footprint, texels);
   fill_volumes(materials, texels.any ? &texels.rows[row_thickness] : nullptr, patches.leaves, reads.absorbing, volume);
   for (int at = 0; at < static_cast<int>(block_size); at += lane_count) {
