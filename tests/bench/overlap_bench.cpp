@@ -300,8 +300,12 @@ void run(int width, int height, int count, bool waits_for_gpu) {
 }  // namespace sideray
 
 int main(int argc, char** argv) {
-  const auto number = [&](int i, int otherwise) { return i < argc ? std::atoi(argv[i]) : otherwise; };
-  for (const bool waits_for_gpu : {true, false})
-    sideray::run(number(1, 640), number(2, 360), number(3, 200), waits_for_gpu);
+  int numbers[] = {640, 360, 200};  // width, height, frames
+  for (int i = 1; i < argc; ++i)
+    if (i > 3 || (numbers[i - 1] = std::atoi(argv[i])) < 1) {
+      std::fprintf(stderr, "usage: bench_overlap [WIDTH [HEIGHT [FRAMES]]]\n");
+      return 2;
+    }
+  for (const bool waits_for_gpu : {true, false}) sideray::run(numbers[0], numbers[1], numbers[2], waits_for_gpu);
   return 0;
 }
