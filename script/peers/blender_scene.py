@@ -116,6 +116,10 @@ def build_glass(nodes, source, material, look):
         density = max(lost)
         if density > 0:
             inside = nodes.shader("ShaderNodeVolumeAbsorption", Color=[*(1 - c / density for c in lost), 1], Density=density)
+    share = extensions["KHR_materials_transmission"]["transmissionFactor"]
+    if share < 1:  # frosted: the rest is opaque
+        opaque = nodes.make("ShaderNodeBsdfPrincipled", {"Base Color": color, "IOR": ior, **rough})
+        glass = nodes.make("ShaderNodeMixShader", {0: share, 1: opaque.outputs[0], 2: glass.outputs[0]})
     nodes.make("ShaderNodeOutputMaterial", {"Surface": glass.outputs[0], "Volume": inside})
     return material, False
 
