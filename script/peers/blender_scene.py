@@ -116,6 +116,10 @@ def build_glass(nodes, source, material, look):
         density = max(lost)
         if density > 0:
             inside = nodes.shader("ShaderNodeVolumeAbsorption", Color=[*(1 - c / density for c in lost), 1], Density=density)
+    share = extensions["KHR_materials_transmission"]["transmissionFactor"]
+    if share < 1:  # frosted: the rest is opaque
+        opaque = nodes.make("ShaderNodeBsdfPrincipled", {"Base Color": color, "IOR": ior, **rough})
+        glass = nodes.make("ShaderNodeMixShader", {0: share, 1: opaque.outputs[0], 2: glass.outputs[0]})
     nodes.make("ShaderNodeOutputMaterial", {"Surface": glass.outputs[0], "Volume": inside})
     return material, False
 
@@ -226,6 +230,8 @@ def add_light(light, world):
         lamp = bpy.data.lights.new(light["type"], "SPOT" if spot else "POINT")
         lamp.energy = light.get("intensity", 1) * 4 * math.pi
         lamp.shadow_soft_size = extras.get("radius_m", 0)
+        if hasattr(lamp, "use_soft_falloff"):  # otherwise a disc, which the globe around a lamp hides
+            lamp.use_soft_falloff = False
         if spot:
             outer, inner = (light.get("spot", {}).get(n, d) for n, d in (("outerConeAngle", math.pi / 4), ("innerConeAngle", 0)))
             lamp.spot_size, lamp.spot_blend = 2 * outer, 1 - inner / outer

@@ -17,6 +17,13 @@ class Glb:
         self.json = json.loads(data[20:20 + length])
         self.binary = data[20 + length + 8:]
 
+    @classmethod
+    def of(cls, gltf, binary):
+        """A scene that is read already."""
+        glb = cls.__new__(cls)
+        glb.json, glb.binary = gltf, binary
+        return glb
+
     def view(self, index):
         view = self.json["bufferViews"][index]
         start = view.get("byteOffset", 0)

@@ -5,7 +5,7 @@ import math
 import struct
 
 import numpy
-from gltf import Glb, read_hdr, write_hdr
+from gltf import Glb, Material, read_hdr, write_hdr
 from processes import Failure
 
 MOST_OF_DIMMED_LAMPS = 2  # candela
@@ -111,10 +111,42 @@ def simplify(gltf):
     for material in gltf.get("materials", []):
         for name in names & set(material.get("extensions", {})):
             del material["extensions"][name]
-        # A lamp inside a refracting bulb lights by caustics alone, which no path tracer finds.
-        if any(material.get("emissiveFactor", [])) and "KHR_materials_transmission" in material.get("extensions", {}):
-            material["extensions"].pop("KHR_materials_volume", None)
     gltf["extensionsUsed"] = [name for name in gltf.get("extensionsUsed", []) if name not in names]
+
+
+def is_transmissive(material):
+    return "KHR_materials_transmission" in material.get("extensions", {})
+
+
+def make_thin_wall(material):
+    """A wall that does not bend light and is seen from both sides. A body's wall has two surfaces: each gets half of its tint."""
+    extensions, pbr = material["extensions"], material.setdefault("pbrMetallicRoughness", {})
+    if "KHR_materials_volume" in extensions:
+        color = pbr.get("baseColorFactor", [1, 1, 1, 1])
+        pbr["baseColorFactor"] = [*(c * math.sqrt(t) for c, t in zip(color, Material(material).tint())), color[3]]
+        del extensions["KHR_materials_volume"]
+    material["doubleSided"] = True
+
+
+def free_lamps(gltf, binary):
+    """Makes glass around lamps, and glass that shines, thin walls: through refracting ones lamps light by caustics alone, which path
+    tracers hardly find and denoisers remove. Lamps shrink to half their distance to these walls: of a sphere that touches
+    its bulb each program sees another part outside."""
+    glb = Glb.of(gltf, binary)
+    walls = [material for material in gltf.get("materials", []) if is_transmissive(material) and any(material.get("emissiveFactor", []))]
+    lamps = [(light, world[:3, 3]) for light, world in glb.lights() if light["type"] != "directional"]
+    for _, primitive, material, world in glb.meshes():
+        if not is_transmissive(material):
+            continue
+        points = glb.accessor(primitive["attributes"]["POSITION"]) @ world[:3, :3].T + world[:3, 3]
+        for light, position in lamps:
+            if (points.min(axis=0) < position).all() and (position < points.max(axis=0)).all():
+                walls.append(material)
+                lamp = light.get("extras", {}).get("sideray", {})
+                nearest = float(numpy.linalg.norm(points - position, axis=1).min())
+                lamp["radius_m"] = min(lamp.get("radius_m", 0), nearest / 2)
+    for wall in walls:
+        make_thin_wall(wall)
 
 
 def set_thickness(gltf, thickness):
@@ -148,8 +180,7 @@ def dim(gltf, factor):
 def without_instancing(gltf, binary):
     """A copy whose instances are nodes, for programs that do not read EXT_mesh_gpu_instancing."""
     gltf = copy.deepcopy(gltf)
-    glb = Glb.__new__(Glb)
-    glb.json, glb.binary = gltf, binary
+    glb = Glb.of(gltf, binary)
     for node in list(gltf["nodes"]):
         if "EXT_mesh_gpu_instancing" in node.get("extensions", {}):
             mesh = node.pop("mesh")
@@ -182,6 +213,7 @@ def copy_scene(source, folder, setting):
     and turned.hdr, whose middle is +X as VTK has it."""
     gltf, binary = pack(source)
     simplify(gltf)
+    free_lamps(gltf, binary)
     set_thickness(gltf, setting.thickness)
     place_camera(gltf, setting)
     add_lamps(gltf, setting)

@@ -150,6 +150,24 @@ TEST_P(Bistro, DrinksReachIntoTheirGlass) {
   EXPECT_GT(checked.size(), 5u);
 }
 
+// A lamp's sphere that reaches through its frosted bulb would light around the glass.
+TEST_P(Bistro, LampsLieInsideTheirBulbs) {
+  size_t lamps = 0;
+  for (const Object& bulb : content.objects) {
+    const Mesh& mesh = content.meshes[bulb.mesh];
+    if (mesh.name != "bulb") continue;
+    const double* place = &bulb.world_from_object[9];
+    for (const Light& lamp : content.lights) {
+      const double* at = lamp.light.position;
+      if (glm::distance(glm::dvec3(at[0], at[1], at[2]), glm::dvec3(place[0], place[1], place[2])) > 1e-3) continue;
+      ++lamps;
+      for (size_t corner = 0; corner < mesh.indices.size(); ++corner)
+        ASSERT_GT(glm::length(position(mesh, corner)), lamp.light.radius) << lamp.name;
+    }
+  }
+  EXPECT_EQ(lamps, 4u);
+}
+
 TEST_P(Bistro, NamesAreUnique) {
   std::set<std::string> materials, textures, nodes;
   for (const Material& material : content.materials)

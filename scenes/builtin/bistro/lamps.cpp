@@ -140,6 +140,7 @@ sideray_light cone(vec3 at, vec3 direction, float candela, float range, float ra
 }  // namespace
 
 void add_lamps(Kit& kit, uint32_t small_bulbs) {
+  constexpr float radius = 0.02f;  // inside the bulb of hang(); a larger sphere would shine past the frosted glass
   struct Pendant {
     vec3 at;
     bool linen;
@@ -156,9 +157,9 @@ void add_lamps(Kit& kit, uint32_t small_bulbs) {
     if (p.candela <= 0.0f) continue;
     const std::string name = fmt::format("pendant{}", i);
     if (p.down) {
-      kit.b.light(name, cone(p.at, {0, -1, 0}, p.candela, 4.0f, 0.03f));
+      kit.b.light(name, cone(p.at, {0, -1, 0}, p.candela, 4.0f, radius));
     } else {
-      kit.b.light(name, lamp(p.at, p.candela, 11.0f, 0.03f));
+      kit.b.light(name, lamp(p.at, p.candela, 11.0f, radius));
     }
   }
   for (int i = 0; i < 3; ++i)
