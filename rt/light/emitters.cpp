@@ -222,8 +222,8 @@ uint32_t EmitterSampler::split_of(std::span<const Triangle> triangles, std::span
   std::array<Bin, bins> binned;
   for (const uint32_t index : order) binned[bin_of(index)].add(triangles[index]);
   if (const uint32_t border = best_border(binned)) {
-    const auto second = std::ranges::stable_partition(order, [&](uint32_t index) { return bin_of(index) < border; });
-    return static_cast<uint32_t>(second.begin() - order.begin());
+    const auto is_first = [&](uint32_t index) { return bin_of(index) < border; };
+    return static_cast<uint32_t>(std::stable_partition(order.begin(), order.end(), is_first) - order.begin());
   }
   std::ranges::stable_sort(order, [&](uint32_t x, uint32_t y) { return middle(x)[along] < middle(y)[along]; });
   return half;

@@ -39,10 +39,24 @@ TEST_P(CameraOfAFrame, meets_no_plane_from_its_edge_or_behind) {
   const glm::dvec2 pixel(30, 20);
   const glm::dvec3 way = camera_.direction(pixel), ahead = camera_.origin_at(pixel) + 10.0 * way;
   const glm::dvec3 across = glm::normalize(glm::cross(way, glm::dvec3(0, 1, 0)));
-  ASSERT_TRUE(camera_.distance(pixel, ahead, -way));
+  const std::optional<double> met = camera_.distance(pixel, ahead, -way);
+  ASSERT_TRUE(met);
+  EXPECT_NEAR(*met, GetParam() ? 10.0 : 6.0, 1e-9) << "rays of orthographic views begin a picture's height before it";
   EXPECT_TRUE(camera_.distance(pixel, ahead, glm::normalize(across + 0.05 * way)));
   EXPECT_FALSE(camera_.distance(pixel, ahead + across, glm::normalize(across + 0.01 * way)));
   EXPECT_FALSE(camera_.distance(pixel, camera_.origin_at(pixel) - 10.0 * way, way));
+}
+
+// The point of a pixel's plane that another place of the picture shows is on the plane, and is shown there.
+TEST_P(CameraOfAFrame, finds_the_point_of_a_plane_beside_a_pixel) {
+  const glm::dvec2 pixel(30, 20), beside(33.5, 17.25);
+  const SeenPlane plane{10.0, glm::normalize(glm::dvec3(0.2, 1.0, 0.3))};
+  const std::optional<glm::dvec3> at = camera_.point(pixel, plane, pixel), there = camera_.point(pixel, plane, beside);
+  ASSERT_TRUE(at && there);
+  EXPECT_LT(glm::distance(*camera_.place(*at), pixel), 1e-6);
+  EXPECT_LT(glm::distance(*camera_.place(*there), beside), 1e-6);
+  EXPECT_NEAR(glm::dot(*there - *at, plane.normal), 0.0, 1e-9);
+  EXPECT_NEAR(*camera_.distance(pixel, *at, plane.normal), 10.0, 1e-9);
 }
 
 TEST_P(CameraOfAFrame, keeps_its_places_where_the_space_moves) {

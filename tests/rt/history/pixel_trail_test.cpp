@@ -193,6 +193,47 @@ TEST_P(Trail, goes_on_where_the_space_moves) {
   EXPECT_GT(equal, width * height * 99 / 100) << "apart from rounding";
 }
 
+// A cut, or a picture of another size, has no past.
+TEST_P(Trail, ends_with_a_cut) {
+  Executor executor(1);
+  PixelTrail trail;
+  const View view(from({0, 1.5, 0}, GetParam()));
+  for (const bool follows : {false, true, false}) {
+    trail.begin({view.view, view.depth.image(), {width, height}, {}, follows}, executor);
+    EXPECT_EQ(trail.follows(trail.step() - 1), follows);
+    EXPECT_EQ(trail.same_view(), follows);
+  }
+  trail.begin({view.view, view.depth.image(), {width, height / 2}, {}, true}, executor);
+  EXPECT_FALSE(trail.follows(trail.step() - 1));
+}
+
+// Where a floor is seen from its edge, depths of neighbouring pixels differ by far more than those of one surface.
+TEST_P(Trail, follows_a_floor_that_is_seen_from_its_edge) {
+  Executor executor(2);
+  PixelTrail trail;
+  const glm::dvec3 along(0.05, -0.05, -2.0);
+  const View then(from({0, 0.15, 0}, GetParam(), along)), now(from({0.02, 0.155, -0.03}, GetParam(), along));
+  trail.begin({then.view, then.depth.image(), {width, height}, {}, false}, executor);
+  trail.begin({now.view, now.depth.image(), {width, height}, {}, true}, executor);
+  const auto is_floor = [](const View& view, size_t pixel) { return std::abs(view.points[pixel].y) < 1e-6; };
+  size_t steep = 0;
+  for (size_t pixel = 0; pixel < now.points.size(); ++pixel) {
+    const glm::dvec2 place = then.place(now.points[pixel]);
+    if (!is_floor(now, pixel) || place.x < 0 || place.y < 0 || place.x >= width - 1 || place.y >= height - 1) continue;
+    const size_t corner = static_cast<size_t>(place.y) * width + static_cast<size_t>(place.x);
+    bool all_floor = true;
+    for (const size_t at : {corner, corner + 1, corner + width, corner + width + 1})
+      all_floor = all_floor && is_floor(then, at);
+    if (!all_floor) continue;
+    steep += std::abs(then.points[corner].z - then.points[corner + width].z) > 0.2;
+    const uint32_t was = *trail.from(static_cast<uint32_t>(pixel % width), static_cast<uint32_t>(pixel / width));
+    ASSERT_NE(was, PixelTrail::nowhere) << pixel;
+    EXPECT_LE(std::abs(was % width - place.x), 1.0) << pixel;
+    EXPECT_LE(std::abs(was / width - place.y), 1.0) << pixel;
+  }
+  EXPECT_GT(steep, 50u);
+}
+
 // Several histories share a trail: each begins the frame, but the trail takes it once.
 TEST_P(Trail, takes_a_frame_that_is_begun_twice_once) {
   Executor executor(2);

@@ -50,6 +50,7 @@ TEST_F(FramesAtRest, end_with_every_input) {
       {"mask", [&] { key_.mask = 1; }},
       {"stencil bits", [&] { key_.stencil_bits = 1; }},
       {"seed", [&] { key_.seed = 1; }},
+      {"position", [&] { key_.position = 1; }},
       {"shadows", [&] { key_.shadows = true; }},
       {"bounces", [&] { key_.bounces = true; }},
       {"snapping of vertices", [&] { key_.subpixel = 0.5f; }},
@@ -77,6 +78,32 @@ TEST_F(FramesAtRest, end_where_answers_are_missing_or_replaced) {
   rest();
   still_.end({}, false);
   EXPECT_FALSE(frame());
+}
+
+// A frame that was begun but did not end has no answers to repeat.
+TEST_F(FramesAtRest, follow_no_frame_that_did_not_end) {
+  rest();
+  key_.seed = 1;
+  const auto begin = [&] {
+    return still_.begin(key_, SequenceStep::next, std::make_shared<const model::Snapshot>(snapshot_),
+                        [&] { return hashes_; });
+  };
+  for (int i = 0; i < 4; ++i) EXPECT_FALSE(begin());
+}
+
+TEST_F(FramesAtRest, keep_the_counts_of_the_picture_and_none_of_the_work) {
+  Counters counters;
+  counters.pixels_total = 12, counters.pixels_masked = 5, counters.layers_requested = 9, counters.layers_found = 7;
+  counters.layers_refracted = 3, counters.traversals_wasted = 2, counters.rays_shadow = 100;
+  still_.end(counters, true);
+  const Counters kept = still_.counters();
+  EXPECT_EQ(kept.pixels_total, 12u);
+  EXPECT_EQ(kept.pixels_masked, 5u);
+  EXPECT_EQ(kept.layers_requested, 9u);
+  EXPECT_EQ(kept.layers_found, 7u);
+  EXPECT_EQ(kept.layers_refracted, 3u);
+  EXPECT_EQ(kept.traversals_wasted, 2u);
+  EXPECT_EQ(kept.rays_shadow, 0u);
 }
 
 // Wind, sprites and a host's shader change pictures without a commit.

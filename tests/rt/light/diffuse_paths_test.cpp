@@ -53,8 +53,10 @@ TEST(DiffusePaths, SeeThePartOfTheSkyThatIsOpen) {
 }
 
 // Returns the mean light that paths from the origin of a black floor find below a square panel of half a unit's side.
-double light_below(const sideray_material_desc& panel, double height, PathLight& mean) {
+// `screen`: height of a black sheet between, or 0.
+double light_below(const sideray_material_desc& panel, double height, PathLight& mean, double screen = 0.0) {
   TestScene scene;
+  if (screen > 0.0) scene.quad({0, screen, 0}, {5, 0, 0}, {0, 0, 5}, matt(0.0f));
   scene.quad({0, 0, 0}, {0, 0, 5}, {5, 0, 0}, matt(0.0f));
   scene.quad({0, height, 0}, {0.25, 0, 0}, {0, 0, 0.25}, panel);
   scene.environment(glm::vec3(0.0f));
@@ -117,6 +119,15 @@ TEST(DiffusePaths, SampleEmitters) {
       if (height < 1.0) continue;
       EXPECT_NEAR(static_cast<double>(mean.emitter_nearness), 1.0 / height, 0.02) << translucent;
     }
+}
+
+// Whatever is before a panel hides it, just before it, too.
+TEST(DiffusePaths, SampleNoEmittersBehindOtherSurfaces) {
+  for (const double screen : {0.1, 0.5, 0.8, 0.99}) {
+    PathLight mean;
+    light_below(glowing(glm::vec3(8.0f)), 1.0, mean, screen);
+    EXPECT_EQ(mean.radiance, glm::vec3(0.0f)) << screen;
+  }
 }
 
 }  // namespace

@@ -21,14 +21,22 @@ struct Hits {
   }
 
   std::vector<glm::vec3> shade(glm::vec3 from, glm::vec3 toward, bool bounces, uint32_t position = 0) {
-    constexpr int side = 24;
     std::vector<Ray> rays;
+    add_rays(from, toward, rays);
+    return shade(rays, bounces, position);
+  }
+
+  static void add_rays(glm::vec3 from, glm::vec3 toward, std::vector<Ray>& rays) {
+    constexpr int side = 24;
     const glm::vec3 across = glm::abs(toward.y) > 0.9f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
     for (int y = 0; y < side; ++y)
       for (int x = 0; x < side; ++x) {
         const float u = (static_cast<float>(x) + 0.5f) / side - 0.5f, v = (static_cast<float>(y) + 0.5f) / side - 0.5f;
         rays.push_back({from, 0.0f, glm::normalize(toward + u * across + v * glm::cross(toward, across)), 1e30f});
       }
+  }
+
+  std::vector<glm::vec3> shade(const std::vector<Ray>& rays, bool bounces, uint32_t position = 0) {
     std::vector<Hit> hits(rays.size());
     intersector.nearest_opaque(rays, {}, hits.data());
     std::vector<HitPlace> places;
@@ -124,9 +132,39 @@ TEST(LightAround, EndsAtAWall) {
   scene.quad({0, -2, 0}, {8, 0, 0}, {0, 0, 2}, matt(0.5f));
   scene.environment(glm::vec3(0.0f));
   Hits hits(scene);
-  const glm::vec3 dark = mean(hits.shade({2.01f, 0, 0}, {0, -1, 0}, true)), bright = mean(hits.shade({-2.01f, 0, 0}, {0, -1, 0}, true));
+  std::vector<Ray> rays;
+  for (const float x : {2.01f, -2.01f}) Hits::add_rays({x, 0, 0}, {0, -1, 0}, rays);
+  const std::vector<glm::vec3> both = hits.shade(rays, true);
+  const auto half = both.begin() + static_cast<ptrdiff_t>(both.size() / 2);
+  const glm::vec3 dark = mean({both.begin(), half}), bright = mean({half, both.end()});
   EXPECT_LT(dark.x, 1e-3f * bright.x);
   EXPECT_GT(bright.x, 0.4f);
+}
+
+// Below a bright ceiling a floor is brighter than a wall beside it, however near their points are.
+TEST(LightAround, IsNotSharedBetweenAFloorAndAWall) {
+  TestScene scene;
+  scene.quad({0, -2, 0}, {50, 0, 0}, {0, 0, 50}, matt(0.5f));
+  scene.quad({0.5, 3, 0}, {0, 5, 0}, {0, 0, 50}, matt(0.5f));
+  scene.quad({0, 8, 0}, {4, 0, 0}, {0, 0, 50}, matt(0.0f, glm::vec3(1.0f)));
+  scene.environment(glm::vec3(0.0f));
+  Hits hits(scene);
+  std::vector<Ray> floor, wall;
+  Hits::add_rays({0, -1.5f, 0}, {0, -1, 0}, floor);
+  Hits::add_rays({0, -1.5f, 0}, {1, 0, 0}, wall);
+  std::vector<Ray> rays = floor;
+  rays.insert(rays.end(), wall.begin(), wall.end());
+  constexpr uint32_t positions = 16;
+  glm::vec3 alone(0.0f), beside(0.0f), below(0.0f);
+  for (uint32_t i = 0; i < positions; ++i) {
+    const std::vector<glm::vec3> both = hits.shade(rays, true, i);
+    const auto half = both.begin() + static_cast<ptrdiff_t>(both.size() / 2);
+    alone += mean(hits.shade(wall, true, i));
+    beside += mean({half, both.end()});
+    below += mean({both.begin(), half});
+  }
+  EXPECT_GT(below.x, 1.3f * alone.x);
+  EXPECT_NEAR(beside.x, alone.x, 0.005f * alone.x);
 }
 
 // The sky through a coloured sheet has its colour.

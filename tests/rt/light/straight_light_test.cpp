@@ -102,6 +102,21 @@ TEST(StraightLight, FrostedSolidsScatterTheLampInside) {
   expect_light(lit.through(upward(0, 1.0f, 0.5f)), glm::dvec3(1.0), "both inside");
 }
 
+// Another solid that the ray enters and leaves before a lamp takes nothing of the frosted solid's scattering.
+TEST(StraightLight, FrostedSolidsScatterAroundAnotherInside) {
+  sideray_material_desc frosted = solid_glass(1.0f), marble = solid_glass(1.0f);
+  frosted.roughness = marble.roughness = 0.0f;
+  frosted.transmission = 0.4f;
+  TestScene with, without;
+  for (TestScene* scene : {&with, &without}) add_slab(*scene, 2.0, frosted);
+  Triangles::box({-9, -9, -1.5f}, {9, 9, -1}).add_to(with, marble);
+  Lit lit_with(with), lit_without(without);
+  const Ray to_lamp = upward(0, 3.0f, 2.5f);
+  const glm::vec3 alone = lit_without.through(to_lamp);
+  EXPECT_GT(alone.x, 0.41f);
+  expect_light(lit_with.through(to_lamp), alone, "past a marble");
+}
+
 TEST(StraightLight, RaysThatBeginInGlassLeaveOneFace) {
   TestScene scene;
   add_slab(scene, 2.0, coloured_glass());
@@ -170,6 +185,29 @@ TEST(StraightLight, TexturesTintIt) {
   }
 }
 
+TEST(StraightLight, ColoursOfVerticesTintIt) {
+  const float positions[][3] = {{-50, -50, 0}, {50, -50, 0}, {0, 90, 0}};
+  const float colours[][4] = {{1, 0, 1, 1}, {1, 0, 1, 1}, {1, 0, 1, 1}};
+  TestScene scene;
+  sideray_mesh_desc mesh{};
+  mesh.size = sizeof(mesh);
+  mesh.vertex_count = 3;
+  mesh.positions = {positions[0], 0};
+  mesh.colors = {colours[0], 0};
+  sideray_instance_desc instance{};
+  instance.mesh = scene.scene.add_mesh(mesh, nullptr);
+  sideray_material_desc m = glass();
+  m.thickness = 0.0f;
+  instance.material = scene.scene.add_material(m);
+  for (int c = 0; c < 3; ++c) instance.world_from_object[4 * c] = 1.0;
+  instance.surface_id = 1;
+  instance.visibility = SIDERAY_VISIBLE_ALL;
+  scene.scene.add_instances(&instance, 1);
+  Lit lit(scene);
+  const double passed = 1 - schlick(std::cos(glm::radians(30.0)), 1.5);
+  expect_light(lit.through(upward(30)), glm::dvec3(passed, 0.0, passed), "magenta");
+}
+
 TEST(StraightLight, ManyPanesMultiply) {
   TestScene scene;
   sideray_material_desc m = model::default_material();
@@ -177,7 +215,9 @@ TEST(StraightLight, ManyPanesMultiply) {
   m.base_color[3] = 0.1f;
   for (int i = 0; i < 20; ++i) scene.quad({0, 0, 0.05f * static_cast<float>(i)}, {50, 0, 0}, {0, 50, 0}, m);
   Lit lit(scene);
-  expect_light(lit.through(upward(20)), glm::dvec3(std::pow(0.9, 20)), "panes");
+  const Ray ray = upward(20);
+  expect_light(lit.through(ray), glm::dvec3(std::pow(0.9, 20)), "panes");
+  EXPECT_NEAR(lit.light.distance(0), 3.0f, 1e-4f) << "of the nearest";
 }
 
 // A marble in water, the ray from below it and from inside: each interface by the two indices, each medium by its length.
@@ -200,6 +240,11 @@ TEST(StraightLight, NestedLiquidsCountOnce) {
     // The floor of the water: it has no face below.
     const Ray floor = upward(angle, static_cast<float>(1.999999 / cosine));
     expect_light(lit.through(floor), below / top, fmt::format("from the floor at {}", angle));
+    const Ray inside = upward(angle, static_cast<float>(1.125 / cosine));
+    glm::dvec3 above;
+    for (int c = 0; c < 3; ++c) above[c] = std::pow(static_cast<double>(water.attenuation_color[c]), 1.0 / cosine);
+    expect_light(lit.through(inside), top * between * above * kept(0.125 / cosine),
+                 fmt::format("from the marble at {}", angle));
   }
 }
 

@@ -283,6 +283,31 @@ TEST_F(TintMasks, FiltersKeepTheMean) {
   for (uint32_t c = 0; c < 3; ++c) EXPECT_NEAR(mean(filtered, c), mean(noisy, c), 0.004) << c;
 }
 
+// In the soft shadow of opaque strips below a pane, pixels whose own ray is blocked have the tint of their neighbours.
+TEST_F(TintMasks, KeepTheMeanInShadowsOfOpaqueStripsBelowAPane) {
+  TestScene scene;
+  scene.quad({0, 0, 0}, {20, 0, 0}, {0, 0, 20}, plain_material());
+  scene.quad({0, 3, 0}, {20, 0, 0}, {0, 0, 20}, blended(glm::vec3(0.2f), 0.8f));
+  for (int i = -20; i < 20; ++i)
+    scene.quad({0.3f * static_cast<float>(i), 2, 0}, {0.09f, 0, 0}, {0, 0, 20}, plain_material());
+  light_.angular_diameter_deg = 8.0f;
+  scene.lights({light_});
+  tracer_.set_scene(scene.commit());
+  MaskFilters filters;
+  MaskRequest r = request();
+  r.filters = &filters;
+  OcclusionMasks filtered;
+  tracer_.trace_masks(r, filtered);
+  ASSERT_EQ(filtered.tints, 1u);
+  const auto plane = filtered.tint_plane(1, 1);
+  double light = 0, tinted = 0;
+  for (size_t i = 0; i < size_t{width} * height; ++i) {
+    light += filtered.lit[i];
+    tinted += static_cast<double>(filtered.lit[i]) * static_cast<double>(plane[i]) / 255.0;
+  }
+  EXPECT_NEAR(tinted / light, 0.2, 0.05) << "a block without a lit pixel keeps white, which the filter spreads";
+}
+
 TEST_F(TintMasks, StayWithTheSurfaceUnderADeadline) {
   OlderMasks older;
   OcclusionMasks masks;
