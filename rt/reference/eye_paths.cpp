@@ -84,6 +84,10 @@ bool EyePaths::meet(View& view, WayEvent& event) {
   view.through *= event.arriving;
   if (++met > most_events) return false;
   if (event.passage == Passage::mirrored) {
+    if (is_scattered(event.point)) {
+      stops_.push_back({view.way, event, true, view.ray, view.through, largest(view.through)});
+      return false;
+    }
     ways.redirect(view.way, event, event.direction);
     return true;
   }

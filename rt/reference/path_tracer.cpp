@@ -155,10 +155,7 @@ bool PathTracer::meet(Path& path, WayEvent& event) {
     if (unit_float(random_key({event.point.key, for_roulette})) >= patience) return false;
     path.weight /= patience;
   }
-  if (event.passage == Passage::mirrored) {
-    bend(path, event, event.direction);
-    return false;
-  }
+  if (event.passage == Passage::mirrored) return pass(path, event);
   const shading::SrBlend& blend = event.point.blended;
   const glm::vec3 emitted = shading::sr_emitted(event.point.surface);
   if (emitted != glm::vec3(0.0f))
@@ -179,8 +176,13 @@ bool PathTracer::meet(Path& path, WayEvent& event) {
   return pass(path, event);
 }
 
-// Takes the path across a translucent surface; returns the result of meet().
+// Takes the path across a translucent surface, unless that reflects totally; returns the result of meet().
 bool PathTracer::pass(Path& path, WayEvent& event) {
+  if (event.passage == Passage::mirrored) {
+    if (is_scattered(event.point)) turn_by_facet(path, event);
+    bend(path, event, event.direction);
+    return false;
+  }
   if (event.passage == Passage::straight) {
     path.way.media = event.behind;
     return true;
@@ -197,6 +199,15 @@ bool PathTracer::pass(Path& path, WayEvent& event) {
            ? event.direction
            : scattered_direction(event.point, event.crossing, random_key({event.point.key, for_scattering})));
   return false;
+}
+
+// Lets a facet of a rough surface decide whether the light leaves its solid.
+void PathTracer::turn_by_facet(Path& path, WayEvent& event) {
+  const RoughTurn turn = turned_by_facet(event.point, event.crossing, random_key({event.point.key, for_scattering}));
+  event.direction = turn.direction;
+  if (!turn.transmitted) return;
+  event.passage = Passage::scattered;
+  path.weight *= event.point.surface.tint;
 }
 
 // Continues the path in another direction. Light found along it is not sampled otherwise, so it has the full weight.

@@ -88,6 +88,7 @@ class PathTracer {
   void advance(Path& path);
   bool meet(Path& path, WayEvent& event);
   bool pass(Path& path, WayEvent& event);
+  void turn_by_facet(Path& path, WayEvent& event);
   void bend(Path& path, const WayEvent& event, glm::vec3 direction);
   void end(Path& path);
   glm::vec3 counted(const Path& path, const Hit& hit) const;

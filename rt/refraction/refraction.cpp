@@ -11,6 +11,26 @@ namespace sideray::rt {
 namespace {
 
 constexpr float smooth_roughness = 0.04f;
+constexpr uint32_t facet_purpose = 67;
+constexpr uint32_t tries = 8;  // of facets, before the shading normal stands for one
+
+// Samples the facets of a rough surface that its viewer sees (Heitz 2018).
+class VisibleFacets {
+ public:
+  explicit VisibleFacets(const SurfacePoint& point)
+      : frame_(facing_normal(point)), alpha_(point.surface.roughness * point.surface.roughness) {
+    to_eye_ = {glm::dot(frame_.x, point.to_eye), glm::dot(frame_.y, point.to_eye), glm::dot(frame_.z, point.to_eye)};
+  }
+  glm::vec3 sample(uint32_t key) const {
+    const uint32_t x = hash_bits(key), y = hash_bits(x);
+    return frame_.world(model::sample_visible_normal(to_eye_, alpha_, {unit_float(x), unit_float(y)}));
+  }
+
+ private:
+  model::Frame frame_;
+  glm::vec3 to_eye_;
+  float alpha_;
+};
 
 // Returns the direction in which a facet transmits light. A thin wall refracts twice; its transmission lobe is its
 // reflection lobe on the other side (KHR_materials_transmission).
@@ -46,20 +66,29 @@ bool is_scattered(const SurfacePoint& point) {
 }
 
 glm::vec3 scattered_direction(const SurfacePoint& point, const Crossing& crossing, uint32_t key) {
-  constexpr uint32_t tries = 8;
-  const glm::vec3 normal = facing_normal(point);
-  const model::Frame frame(normal);
-  const glm::vec3 to_eye(glm::dot(frame.x, point.to_eye), glm::dot(frame.y, point.to_eye),
-                         glm::dot(frame.z, point.to_eye));
-  const float alpha = point.surface.roughness * point.surface.roughness;
+  const VisibleFacets facets(point);
   for (uint32_t k = 0; k < tries; ++k) {
-    const uint32_t x = hash_bits(key + k), y = hash_bits(x);
-    const glm::vec3 facet = frame.world(model::sample_visible_normal(to_eye, alpha, {unit_float(x), unit_float(y)}));
+    const glm::vec3 facet = facets.sample(key + k);
     if (glm::dot(facet, point.to_eye) <= 0.0f) continue;
     const Bend b = through_facet(point, facet, crossing);
     if (!b.total && glm::dot(b.direction, point.geometric_normal) < 0.0f) return b.direction;
   }
-  return through_facet(point, normal, crossing).direction;
+  return through_facet(point, facing_normal(point), crossing).direction;
+}
+
+RoughTurn turned_by_facet(const SurfacePoint& point, const Crossing& crossing, uint32_t key) {
+  const VisibleFacets facets(point);
+  for (uint32_t k = 0; k < tries; ++k) {
+    const glm::vec3 facet = facets.sample(key + k);
+    const float cosine = glm::dot(facet, point.to_eye);
+    if (cosine <= 0.0f) continue;
+    const Bend b = bend(point.to_eye, facet, crossing.ior_from, crossing.ior_to);
+    const float reflects = b.total ? 1.0f : dielectric_reflectance(b.cosine, crossing.ior_from, crossing.ior_to);
+    const bool transmitted = unit_float(random_key({key, facet_purpose, k})) >= reflects;
+    const glm::vec3 direction = transmitted ? b.direction : glm::normalize(facet * (2.0f * cosine) - point.to_eye);
+    if ((glm::dot(direction, point.geometric_normal) < 0.0f) == transmitted) return {direction, transmitted};
+  }
+  return {bend(point.to_eye, facing_normal(point), crossing.ior_from, crossing.ior_to).direction, false};
 }
 
 }  // namespace sideray::rt

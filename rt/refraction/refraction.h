@@ -31,4 +31,13 @@ bool is_scattered(const SurfacePoint& point);
 // eye (Heitz 2018), rejecting directions on the viewer's side.
 glm::vec3 scattered_direction(const SurfacePoint& point, const Crossing& crossing, uint32_t key);
 
+struct RoughTurn {
+  glm::vec3 direction;
+  bool transmitted;  // else it stays on the viewer's side
+};
+// Returns how a rough surface that would reflect totally if it were smooth continues light: a facet, chosen by the key
+// as above, transmits or reflects it. Without facets light would never leave a ball, whose chords all meet the surface
+// at the same angle.
+RoughTurn turned_by_facet(const SurfacePoint& point, const Crossing& crossing, uint32_t key);
+
 }  // namespace sideray::rt

@@ -204,7 +204,7 @@ void RefractionTracer::pass(uint32_t i, const Hit& hit, SurfacePoint& point, con
                             const MediumStack& behind, bool is_lit) {
   RefractedPath& path = paths_[i];
   const Bend b = bend(point.to_eye, facing_normal(point), crossing.ior_from, crossing.ior_to);
-  if (b.total && !crossing.disperses) return redirect(path, point, b.direction, false);
+  if (b.total && !crossing.disperses) return reflect_totally(path, point, crossing, behind, b.direction);
   set_reflectance(crossing, b.cosine, point.surface);
   point.blended = shading::sr_blend(point.surface, point.to_eye, point.blend);
   blend(path, point, is_lit);
@@ -217,6 +217,18 @@ void RefractionTracer::pass(uint32_t i, const Hit& hit, SurfacePoint& point, con
     disperse(i, point, hit, before);
   else
     redirect(path, point, b.direction, true);
+}
+
+// Continues the path in the mirror direction, or, on a rough surface, as one of its facets decides.
+void RefractionTracer::reflect_totally(RefractedPath& path, const SurfacePoint& point, const Crossing& crossing,
+                                       const MediumStack& behind, glm::vec3 mirrored) const {
+  if (!is_scattered(point) || path_ends_) return redirect(path, point, mirrored, false);
+  const RoughTurn turn = turned_by_facet(point, crossing, random_key({point.key, scatter_purpose}));
+  if (turn.transmitted) {
+    path.through *= point.surface.tint;
+    path.media = behind;
+  }
+  redirect(path, point, turn.direction, turn.transmitted);
 }
 
 // Splits the path into three, one a channel. KHR_materials_dispersion gives the indices of these three, so wavelengths

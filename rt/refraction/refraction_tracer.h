@@ -102,6 +102,8 @@ class RefractionTracer {
   bool meets(uint32_t path, const Hit& hit, SurfacePoint* surface, bool is_lit = false);
   void pass(uint32_t path, const Hit& hit, SurfacePoint& point, const Crossing& crossing, const MediumStack& behind,
             bool is_lit);
+  void reflect_totally(RefractedPath& path, const SurfacePoint& point, const Crossing& crossing, const MediumStack& behind,
+                       glm::vec3 mirrored) const;
   void disperse(uint32_t path, const SurfacePoint& point, const Hit& hit, const MediumStack& before);
   void scatter(uint32_t path, const SurfacePoint& point, const Crossing& crossing);
   void widen(const RefractedPath& path, const SurfacePoint& point, const Crossing& crossing);

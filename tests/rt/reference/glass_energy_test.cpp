@@ -102,6 +102,53 @@ TEST(GlassEnergy, AWhiteFloorIsAFurnace) {
     }
 }
 
+sideray_material_desc rough_glass(float roughness) {
+  sideray_material_desc m = solid_glass(1.5f);
+  m.roughness = roughness;
+  return m;
+}
+
+// A facet of a rough surface lets out what its shading normal would reflect totally; otherwise a ball keeps it for ever.
+TEST(GlassEnergy, RoughBallsUnderAWhiteSkyAreWhite) {
+  for (const float roughness : {0.3f, 0.6f, 1.0f}) {
+    TestScene scene;
+    scene.environment(glm::vec3(0.75f));
+    ball({0, 0, 0}, 0.45f).add_to(scene, rough_glass(roughness));
+    const Mean mean = mean_of(trace_paths(scene.commit(), {perspective({0, 0, 2}, {0, 0, 0}, 0.35, 1.0)}, {.size = 10, .light_samples = 32}));
+    EXPECT_NEAR(mean.value, 0.75, 5 * mean.deviation + 1e-3) << roughness;
+    EXPECT_LT(mean.deviation, 6e-3) << roughness;
+  }
+}
+
+// A ball between a white and a black half of the sky shows the same by composites as by paths.
+TEST(GlassEnergy, TheRimOfARoughBallIsTheSameInCompositesAsInPaths) {
+  constexpr uint32_t size = 16;
+  TestScene scene;
+  std::vector<glm::vec3> sky(16 * 8, glm::vec3(0.0f));
+  std::fill_n(sky.begin(), 16 * 4, glm::vec3(1.0f));
+  scene.scene.set_environment(16, 8, &sky[0].x, 1.0f, 0.0f);
+  ball({0, 0, 0}, 0.45f).add_to(scene, rough_glass(0.6f));
+  const auto snapshot = scene.commit();
+  const TraceView view = perspective({0, 0, 2}, {0, 0, 0}, 0.43, 1.0);
+  const ReferenceImage paths = trace_paths(snapshot, {view}, {.size = size});
+  Tracer tracer({.threads = 1, .isa = ""});
+  tracer.set_scene(snapshot);
+  TestFrame frame(view, size, size, 0);
+  frame.request.all_translucent = frame.request.refraction = true;
+  CompositeImage composite;
+  tracer.trace_composite(frame.get(), composite);
+  for (const bool above : {true, false}) {
+    const auto counts = [&](uint32_t x, uint32_t y) {
+      return x >= size / 4 && x < 3 * size / 4 && (above ? y < size / 4 : y >= 3 * size / 4);
+    };
+    double sum = 0;
+    for (uint32_t y = 0; y < size; ++y)
+      for (uint32_t x = 0; x < size; ++x)
+        if (counts(x, y)) sum += static_cast<double>(rgb(composite.radiance, y * size + x).y);
+    EXPECT_NEAR(sum / (size * size / 8), mean_where(paths, counts).value, 0.02) << above;
+  }
+}
+
 // A plane-parallel plate with glTF's Schlick term; cosines are those of the angle in the air.
 struct Slab {
   double ior, thickness, absorption;
