@@ -66,7 +66,7 @@ struct IrradianceTracing::Worker {
   HostShader host;
   std::vector<Ray> rays;
   std::vector<glm::vec3> path_normals;
-  std::vector<Cone> cones;
+  std::vector<float> widths;
   std::vector<uint32_t> keys, cells;
   std::vector<PathLight> light;
   std::vector<Ray> sky_rays, clear_rays;
@@ -231,7 +231,7 @@ TraceEnd IrradianceTracing::trace_tile(const Frame& f, Worker& w, uint32_t tile)
   const IrradianceRequest& r = f.request;
   const uint32_t x0 = tile % f.columns * tile_size, y0 = tile / f.columns * tile_size;
   const TileSamples samples({f.seed, sample_purpose, 0, 0, SIDERAY_EXACT}, x0, y0);
-  w.rays.clear(), w.path_normals.clear(), w.cones.clear(), w.keys.clear(), w.cells.clear();
+  w.rays.clear(), w.path_normals.clear(), w.widths.clear(), w.keys.clear(), w.cells.clear();
   for_cells_of_tile(f.cells, x0, y0, [&](size_t cell) {
     const CellPlace& place = f.cells.places[cell];
     if (!(place.width > 0.0f)) return;
@@ -239,7 +239,7 @@ TraceEnd IrradianceTracing::trace_tile(const Frame& f, Worker& w, uint32_t tile)
     const glm::vec3 direction = frame_about(place.normal) * sample_cosine(samples.at(x, y, 0, 1));
     w.rays.push_back({place.position, place.skip, direction, farthest});
     w.path_normals.push_back(place.normal);
-    w.cones.push_back({place.width, f.view.cone(x, y).spread});
+    w.widths.push_back(place.width);
     w.keys.push_back(random_key({pixel_key(f.seed, 0, x, y), path_purpose}));
     w.cells.push_back(static_cast<uint32_t>(cell));
   });
@@ -248,7 +248,7 @@ TraceEnd IrradianceTracing::trace_tile(const Frame& f, Worker& w, uint32_t tile)
   if (by_host) w.host.begin(f.scene, f.intersector, host_calls(r), r.shadows);
   w.paths.begin(f.scene, f.intersector, r.shadows, by_host ? &w.host : nullptr);
   w.light.resize(w.rays.size());
-  w.paths.follow({w.rays, w.path_normals, w.cones, w.keys}, w.light.data());
+  w.paths.follow({w.rays, w.path_normals, w.widths, w.keys}, w.light.data());
   if (by_host && w.host.end != TraceEnd::complete) return w.host.end;
   w.counters.rays_bounce += w.paths.rays;
   w.counters.rays_shadow += w.paths.rays_shadow;

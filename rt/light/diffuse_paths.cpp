@@ -21,6 +21,8 @@ constexpr float least_roughness_of_highlights = 0.3f;
 // Probabilities of sampling an emitter for a path's start and for a later point. In the bistro those of 1 are nearer by
 // .005 of .24 FLIP, and add a tenth to the frame instead of a twentieth (docs/adr/0052-light-that-bounces.md).
 constexpr float emitters_at_start = 0.5f, emitters_later = 0.25f;
+// Spread of paths' cones: each stands for many directions, so coarse mip levels have less noise, and stay in the cache.
+constexpr float spread_of_paths = 0.3f;
 constexpr float short_of_hit = 1.0f - 0x1p-16f;
 
 float sum_of(glm::vec3 light) {
@@ -59,7 +61,8 @@ void DiffusePaths::follow(const PathStarts& starts, PathLight* light) {
   for (uint32_t i = 0; i < starts.rays.size(); ++i)
     paths_.push_back({i, glm::vec3(1.0f), starts.keys[i], {starts.rays[i].origin, starts.normals[i]}});
   rays_.assign(starts.rays.begin(), starts.rays.end());
-  cones_.assign(starts.cones.begin(), starts.cones.end());
+  cones_.clear();
+  for (const float width : starts.widths) cones_.push_back({width, spread_of_paths});
   if (samples_emitters()) sample_first_emitters(light);
   hits_.resize(rays_.size());
   intersector_->nearest_opaque(rays_, {}, hits_.data());

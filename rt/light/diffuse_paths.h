@@ -24,12 +24,12 @@ namespace sideray::rt {
 // In a path; after so many, less than a hundredth of the light is left even in the whitest rooms.
 inline constexpr uint32_t most_path_surfaces = 16;
 
-// Refers to the starts of paths: rays with directions sampled by the cosine about the normals, their cones, and keys of
-// random numbers.
+// Refers to the starts of paths: rays with directions sampled by the cosine about the normals, widths of a pixel there,
+// and keys of random numbers.
 struct PathStarts {
   std::span<const Ray> rays;
   std::span<const glm::vec3> normals;
-  std::span<const Cone> cones;
+  std::span<const float> widths;
   std::span<const uint32_t> keys;
 };
 

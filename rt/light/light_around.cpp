@@ -13,9 +13,10 @@ namespace {
 constexpr float cell_width = 2.0f;  // side of the smallest cells, in widths of a pixel
 constexpr float least_reach = 4.0f;  // smallest radius of sharing, in widths of a pixel
 constexpr float share_of_distance = 0.5f;
-constexpr float points_a_path = 4.0f;
+constexpr float points_a_path = 8.0f;
 constexpr size_t few_cells = 4;
 constexpr int most_coarser = 10, least_level = -200;
+constexpr int coarser_by_facing = 2;  // cells that were doubled more often hold surfaces that face any way
 constexpr uint32_t path_purpose = 72;
 constexpr float blur_of_sky = 0.25f;  // roughness of the lobe that a direction's light is averaged over
 constexpr int facing_steps = 2;         // steps of a normal's coordinate from 0 to 1
@@ -42,6 +43,10 @@ uint64_t cell_of(const PointAround& p, int level) {
   for (int k = 0; k < 3; ++k) name = name * (2 * facing_steps + 1) + static_cast<uint64_t>(facing[k] + facing_steps);
   for (int k = 0; k < 3; ++k) name = name << place_bits | (static_cast<uint64_t>(place[k]) & place_mask);
   return name;
+}
+
+uint64_t facing_any_way(uint64_t cell) {
+  return cell & ((uint64_t{1} << 3 * place_bits) - 1);
 }
 
 // Returns the cell of twice the side that contains this one.
@@ -136,8 +141,12 @@ void LightAround::sort_into_cells(size_t most_cells) {
   for (const InCell& p : in_cells_) cells_.push_back(p.cell);
   drop_doubles(cells_);
   for (int coarser = 0; cells_.size() > most_cells && coarser < most_coarser; ++coarser) {
-    for (uint64_t& cell : cells_) cell = coarser_cell(cell);
-    for (InCell& p : in_cells_) p.cell = coarser_cell(p.cell);
+    const auto grow = [&](uint64_t& cell) {
+      cell = coarser_cell(cell);
+      if (coarser >= coarser_by_facing) cell = facing_any_way(cell);
+    };
+    for (uint64_t& cell : cells_) grow(cell);
+    for (InCell& p : in_cells_) grow(p.cell);
     drop_doubles(cells_);
   }
   std::ranges::sort(in_cells_);
@@ -149,7 +158,7 @@ void LightAround::choose_senders() {
   float weights = 0.0f;
   for (const Point& p : points_) weights += p.around.weight;
   sort_into_cells(std::max(static_cast<size_t>(weights / points_a_path), few_cells));
-  records_.clear(), rays_.clear(), normals_.clear(), cones_.clear(), keys_.clear();
+  records_.clear(), rays_.clear(), normals_.clear(), widths_.clear(), keys_.clear();
   const std::span<const InCell> all(in_cells_);
   for (size_t first = 0, end = 0; first < all.size(); first = end) {
     while (end < all.size() && all[end].cell == all[first].cell) ++end;
@@ -172,13 +181,13 @@ void LightAround::send_path(const Point& point) {
   records_.push_back({.position = p.origin, .normal = p.normal, .width = p.width});
   rays_.push_back({p.origin, 0.0f, frame_about(p.normal) * sample_cosine(point.direction), farthest});
   normals_.push_back(p.normal);
-  cones_.push_back({p.width, 0.0f});
+  widths_.push_back(p.width);
   keys_.push_back(random_key({point.key, position_}));
 }
 
 void LightAround::follow_paths() {
   light_.resize(rays_.size());
-  paths_.follow({rays_, normals_, cones_, keys_}, light_.data());
+  paths_.follow({rays_, normals_, widths_, keys_}, light_.data());
   for (size_t i = 0; i < records_.size(); ++i) {
     Record& r = records_[i];
     r.nearness = light_[i].nearness + light_[i].emitter_nearness;

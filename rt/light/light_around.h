@@ -81,7 +81,7 @@ class LightAround {
   std::vector<uint32_t> of_clear_;
   uint64_t rays_to_veils_ = 0;
   std::vector<glm::vec3> normals_;
-  std::vector<Cone> cones_;
+  std::vector<float> widths_;
   std::vector<uint32_t> keys_;
   std::vector<PathLight> light_;
   std::vector<glm::vec3> directions_, sky_;  // directions of rays_, and the sky's light there

@@ -32,13 +32,13 @@ float light_of_floor(double hidden) {
   const float x = hidden != 0.0 ? static_cast<float>(-1e-3 * hidden) : 0.0f;
   const std::vector<Ray> rays(count, Ray{{x, -0.5f, 0.0f}, 0.0f, {0.0f, -1.0f, 0.0f}, 1e30f});
   const std::vector<glm::vec3> normals(count, glm::vec3(0.0f, -1.0f, 0.0f));
-  const std::vector<Cone> cones(count, Cone{0.0f, 1e-3f});
+  const std::vector<float> widths(count, 0.0f);
   std::vector<uint32_t> keys(count);
   for (uint32_t i = 0; i < count; ++i) keys[i] = 0x9e3779b9u * (i + 1);
   std::vector<PathLight> found(count);
   DiffusePaths paths;
   paths.begin(shading, intersector, true, nullptr);
-  paths.follow({rays, normals, cones, keys}, found.data());
+  paths.follow({rays, normals, widths, keys}, found.data());
   float sum = 0.0f;
   for (const PathLight& light : found) sum += light.radiance.x;
   return sum / static_cast<float>(count);
@@ -74,11 +74,11 @@ double light_below(const sideray_material_desc& panel, double height, PathLight&
     keys.push_back(hash_bits(other));
   }
   const std::vector<glm::vec3> normals(count, glm::vec3(0, 1, 0));
-  const std::vector<Cone> cones(count, Cone{});
+  const std::vector<float> widths(count, 0.0f);
   std::vector<PathLight> found(count);
   DiffusePaths paths;
   paths.begin(shading, intersector, true, nullptr);
-  paths.follow({rays, normals, cones, keys}, found.data());
+  paths.follow({rays, normals, widths, keys}, found.data());
   mean = {};
   double squares = 0.0;
   for (const PathLight& l : found) {
