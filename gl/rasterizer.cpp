@@ -57,9 +57,9 @@ void Rasterizer::set_view(const RasterView& view) {
 void Rasterizer::gbuffer(bool marks_inexact) {
   state_->draw_gbuffer(marks_inexact);
 }
-void Rasterizer::shadow_maps(bool tints, const std::function<void()>& between) {
+void Rasterizer::shadow_maps(TintedLights tinted, const std::function<void()>& between) {
   state_->require_scene_and_targets();
-  state_->lights->draw_shadow_maps(*state_->scene, state_->programs, state_->view.clip_from_local, tints, between);
+  state_->lights->draw_shadow_maps(*state_->scene, state_->programs, state_->view.clip_from_local, tinted, between);
 }
 void Rasterizer::forget_shadow_maps() {
   state_->lights->forget_shadow_maps();

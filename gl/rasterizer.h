@@ -12,6 +12,7 @@
 #include "gl/context/functions.h"
 #include "gl/passes/pass_inputs.h"
 #include "gl/scene/raster_view.h"
+#include "gl/scene/shadow_plan.h"
 #include "model/snapshot.h"
 
 namespace sideray::gl {
@@ -58,9 +59,9 @@ class Rasterizer {
   // inexact_stencil_bit as SIDERAY_TARGET_BIT does, so that mark_inexact only has to fill rest_texture().
   void gbuffer(bool marks_inexact = false);
   // Draws the shadow maps of all lights as far as this view needs them, except for casters that a map holds and that
-  // have not moved. `tints`: translucent surfaces cast coloured shadows. `between`, where given, is called after each
-  // light; it may call OpenGL, but must leave all state as it was.
-  void shadow_maps(bool tints = true, const std::function<void()>& between = {});
+  // have not moved. `tinted`: for which translucent surfaces cast coloured shadows. `between`, where given, is called
+  // after each light; it may call OpenGL, but must leave all state as it was.
+  void shadow_maps(TintedLights tinted = TintedLights::all, const std::function<void()>& between = {});
   void forget_shadow_maps();  // makes the next shadow_maps() draw everything
   // Draws the mask of translucent surfaces into the stencil; needs gbuffer. `sprites`: includes the outlines of
   // sprites. `marks_others`: sets others_stencil_bit where a translucent surface is drawn that is not in the mask.

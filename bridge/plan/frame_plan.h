@@ -9,6 +9,7 @@
 #include "bridge/base/render_options.h"
 #include "bridge/plan/scene_facts.h"
 #include "gl/passes/pass_inputs.h"
+#include "gl/scene/shadow_plan.h"
 #include "model/snapshot.h"
 #include "rt/poses/foliage.h"
 
@@ -52,9 +53,12 @@ struct FramePlan {
   bool without_color;  // nothing is lit or averaged
   bool ground_truth;   // its channels are shown, by separate rays
   bool masks_shadows() const { return masks.shadow_lights != 0 || masks.combined_lights; }
-  // Masks hold the tints of opaque surfaces. Maps beside them would tint only the light on translucent surfaces, which
-  // shows less than the maps of many lamps cost.
-  bool draws_tint_maps() const { return glass_shadows && !masks_shadows(); }
+  // Masks hold the tints of opaque surfaces. Beside them, maps tint only the light on translucent surfaces, and the maps
+  // of many lamps cost more than that shows.
+  gl::TintedLights tint_maps() const {
+    if (!glass_shadows) return gl::TintedLights::none;
+    return masks_shadows() ? gl::TintedLights::directional : gl::TintedLights::all;
+  }
   bool masks_occlusion() const { return masks_shadows() || masks.ao_rays != 0; }
   uint32_t shadow_masks() const {
     return static_cast<uint32_t>(std::popcount(masks.shadow_lights)) + (masks.combined_lights ? 1u : 0u);

@@ -113,9 +113,10 @@ void add_shadow_maps(const model::Snapshot& snapshot, const FramePlan& plan, Tex
   };
   add("shadow_map.directional", maps.directional_size, maps.directional_layers);
   add("shadow_map.local", maps.local_size, maps.local_layers);
-  if (!plan.draws_tint_maps()) return;
-  add_tints("tint_map.directional", maps.directional_size, maps.directional_layers);
-  add_tints("tint_map.local", maps.local_size, maps.local_layers);
+  const gl::TintedLights tinted = plan.tint_maps();
+  if (tinted != gl::TintedLights::none)
+    add_tints("tint_map.directional", maps.directional_size, maps.directional_layers);
+  if (tinted == gl::TintedLights::all) add_tints("tint_map.local", maps.local_size, maps.local_layers);
 }
 
 void add_results(const FramePlan& plan, Textures& textures) {

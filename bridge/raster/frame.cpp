@@ -110,7 +110,7 @@ void Frame::draw_shadow_maps() {
   if (!plan_.shadow_maps) return;
   const bool traces = ticket_ != 0;
   timer_.stage(SIDERAY_STAGE_SHADOW_MAP, [&] {
-    raster_.shadow_maps(plan_.draws_tint_maps(), [&] {
+    raster_.shadow_maps(plan_.tint_maps(), [&] {
       if (traces) service_->advance();
     });
   });

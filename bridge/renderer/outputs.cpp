@@ -9,6 +9,8 @@
 
 #include "bridge/renderer/answer_outputs.h"
 #include "bridge/renderer/truth_outputs.h"
+#include "gl/scene/raster_view.h"
+#include "shaders/shading/shading_cpp.h"
 
 namespace sideray::bridge {
 namespace {
@@ -82,15 +84,34 @@ void add_depth(const PictureJob& job, const gl::RasterView& view, Picture& pictu
   add_plane(picture, "Z", [&](size_t i) { return z[i]; });
 }
 
-void add_gbuffer(const PictureJob& job, Picture& picture) {
+// Returns unit normals turned toward the eye, as light turns them after reading a rasterizer's G-buffer.
+std::vector<glm::vec3> seen_normals(const std::vector<glm::vec4>& gbuffer, const gl::RasterView& view, uint32_t width,
+                                    uint32_t height) {
+  std::vector<glm::vec3> normals(gbuffer.size(), glm::vec3(0.0f));
+  const gl::ViewRays rays = gl::make_view_rays(view);
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < width; ++x) {
+      const size_t i = size_t{y} * width + x;
+      const glm::vec3 normal(gbuffer[i]);
+      if (normal == glm::vec3(0.0f)) continue;
+      const glm::vec2 at = 2.0f * (glm::vec2(x, y) + 0.5f) / glm::vec2(width, height) - 1.0f;
+      const glm::vec3 ray = rays.ray + rays.ray_x * at.x + rays.ray_y * at.y;
+      normals[i] = shading::sr_toward_eye(glm::normalize(normal), -glm::normalize(ray));
+    }
+  return normals;
+}
+
+void add_gbuffer(const PictureJob& job, const gl::RasterView& view, Picture& picture) {
   const RenderOptions& o = job.options;
   rt::OpaqueMaterials g;
   if (o.shows(SIDERAY_AOV_NORMAL | SIDERAY_AOV_ALBEDO | SIDERAY_AOV_MATERIAL))
     g = job.backend.read_gbuffer();
   else
     g.ids = job.backend.read_ids();
-  if (o.shows(SIDERAY_AOV_NORMAL))
-    add_vectors(picture, "N.", {"X", "Y", "Z"}, [&](size_t i) { return g.normal_roughness[i]; });
+  if (o.shows(SIDERAY_AOV_NORMAL)) {
+    const auto normals = seen_normals(g.normal_roughness, view, job.plan.width, job.plan.height);
+    add_vectors(picture, "N.", {"X", "Y", "Z"}, [&](size_t i) { return normals[i]; });
+  }
   if (o.shows(SIDERAY_AOV_ALBEDO))
     add_vectors(picture, "albedo.", {"R", "G", "B"}, [&](size_t i) { return g.albedo_metallic[i]; });
   if (o.shows(SIDERAY_AOV_MATERIAL)) {
@@ -126,7 +147,7 @@ void add_aovs(const PictureJob& job, const gl::RasterView& view, Picture& pictur
   const RenderOptions& o = job.options;
   if (o.shows(SIDERAY_AOV_Z)) add_depth(job, view, picture);
   if (o.shows(SIDERAY_AOV_NORMAL | SIDERAY_AOV_ALBEDO | SIDERAY_AOV_MATERIAL | SIDERAY_AOV_ID))
-    add_gbuffer(job, picture);
+    add_gbuffer(job, view, picture);
   if (o.shows(SIDERAY_AOV_SHADOW | SIDERAY_AOV_HIT_DISTANCE)) add_occlusion(job, picture);
   if (o.shows(SIDERAY_AOV_MOTION)) add_motion(job, picture);
   if (o.shows(SIDERAY_AOV_INEXACT)) add_inexact_marks(job, picture);

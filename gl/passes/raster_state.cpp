@@ -206,7 +206,7 @@ void RasterState::mark_others(TracedSet set, bool with_sprites) {
 void RasterState::draw_light(bool shadows, const OcclusionTextures& masks) {
   begin_pass({});
   targets.bind_resolve();
-  const bool tint_maps = lights->has_tint_maps(shadows);
+  const bool tint_maps = masks.shadow == 0 && lights->has_tint_maps(shadows);
   const bool occluded = masks.shadow != 0 || masks.open != 0 || masks.mirrored != 0 || masks.bounced != 0;
   const Program& program = programs.light(scene->opaque_lobes(), {.masks = occluded,
                                                                  .answers = masks.answers != 0,

@@ -42,6 +42,7 @@ class RasterTextures {
   };
   uint32_t sampler(const sideray_texture_slot& slot);
   Texture upload(const model::Texture& source) const;
+  void upload_level(const model::Texture::Level& level, int place, bool srgb) const;
   Texture upload_environment(std::span<const model::Environment::Image> levels, uint32_t format) const;
   Texture make_array(uint32_t internal_format, uint32_t format, uint32_t type) const;
   void set_environment(const std::shared_ptr<const model::Environment>& environment);

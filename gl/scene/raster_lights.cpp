@@ -246,7 +246,7 @@ void RasterLights::forget_shadow_maps() {
 }
 
 void RasterLights::draw_shadow_maps(RasterScene& scene, RasterPrograms& programs, const glm::dmat4& clip_from_local,
-                                    bool tints, const std::function<void()>& between) {
+                                    TintedLights tinted, const std::function<void()>& between) {
   drawn_ = true;
   allocate(directional_, plan_.directional_size, plan_.directional_layers);
   allocate(local_, plan_.local_size, plan_.local_layers);
@@ -265,10 +265,7 @@ void RasterLights::draw_shadow_maps(RasterScene& scene, RasterPrograms& programs
   draw_into(local_, ShadowMap::faces, pass);
   gl_.Disable(GL_POLYGON_OFFSET_FILL);
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  if (tints)
-    tints_.draw(scene, programs, plan_, limits_.reversed_depth);
-  else
-    tints_.leave_out();
+  tints_.draw(scene, programs, plan_, {tinted, limits_.reversed_depth});
 }
 
 void RasterLights::draw_into(Maps& maps, ShadowMap kind, const Pass& pass) {

@@ -26,9 +26,9 @@ class RasterLights {
   // layers left has no map, and casts no shadows. Throws Failure (UNSUPPORTED) where the driver cannot hold so many
   // lights.
   void set_scene(const RasterScene& scene);
-  // Draws what the maps lack for the picture of one view. `tints`, `between`: as in Rasterizer::shadow_maps.
-  void draw_shadow_maps(RasterScene& scene, RasterPrograms& programs, const glm::dmat4& clip_from_local, bool tints,
-                        const std::function<void()>& between);
+  // Draws what the maps lack for the picture of one view. `tinted`, `between`: as in Rasterizer::shadow_maps.
+  void draw_shadow_maps(RasterScene& scene, RasterPrograms& programs, const glm::dmat4& clip_from_local,
+                        TintedLights tinted, const std::function<void()>& between);
 
   // Makes the next call draw everything anew.
   void forget_shadow_maps();

@@ -12,6 +12,9 @@ namespace sideray::gl {
 
 enum class ShadowMap { none = 0, directional = 1, frustum = 2, faces = 3 };
 
+// Says which lights have maps of the colours that translucent surfaces let pass.
+enum class TintedLights { none, directional, all };
+
 struct LightShadow {
   ShadowMap map = ShadowMap::none;
   uint32_t first_layer = 0;

@@ -46,14 +46,14 @@ void TintMaps::fit(Maps& maps, uint32_t shadow_map_side, uint32_t layers) const 
   check_allocation(gl_, "tint maps");
 }
 
-void TintMaps::draw(RasterScene& scene, RasterPrograms& programs, const ShadowPlan& plan, bool reversed_depth) {
-  if (drawn_) return;
+void TintMaps::draw(RasterScene& scene, RasterPrograms& programs, const ShadowPlan& plan, const Wanted& wanted) {
+  if (drawn_ && wanted == wanted_) return;
   drawn_ = true;
-  reversed_depth_ = reversed_depth;
-  const bool any = gl_.texture_units > static_cast<int>(unit::tint_maps) + 1 &&
+  wanted_ = wanted;
+  const bool any = wanted.lights != TintedLights::none && gl_.texture_units > static_cast<int>(unit::tint_maps) + 1 &&
                    std::ranges::any_of(scene.translucent(), [&](const Draw& draw) { return tints(scene, draw); });
   fit(directional_, plan.directional_size, any ? plan.directional_layers : 0);
-  fit(local_, plan.local_size, any ? plan.local_layers : 0);
+  fit(local_, plan.local_size, any && wanted.lights == TintedLights::all ? plan.local_layers : 0);
   if (!exist()) return;
   if (!framebuffer_) framebuffer_ = Framebuffer(gl_);
   gl_.BindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
@@ -85,12 +85,6 @@ void TintMaps::draw(RasterScene& scene, RasterPrograms& programs, const ShadowPl
   gl_.FrontFace(GL_CCW);
 }
 
-void TintMaps::leave_out() {
-  directional_ = {};
-  local_ = {};
-  forget();
-}
-
 void TintMaps::draw_layer(RasterScene& scene, RasterPrograms& programs, const model::Light& light,
                           const glm::mat4& clip_from_local) const {
   const bool is_directional = light.type == SIDERAY_LIGHT_DIRECTIONAL, mirrored = is_mirrored(clip_from_local);
@@ -106,7 +100,7 @@ void TintMaps::draw_layer(RasterScene& scene, RasterPrograms& programs, const mo
       program.set("clip_from_local", clip_from_local);
       program.set("light_place", light_place);
       program.set("light_radius", is_directional ? 0.0f : light.radius);
-      program.set("reversed_depth", static_cast<int>(reversed_depth_));
+      program.set("reversed_depth", static_cast<int>(wanted_.reversed_depth));
       current = &program;
     }
     const glm::vec3 middle = draw.bounds.center();
@@ -121,7 +115,7 @@ void TintMaps::bind(const Program& program, RasterTextures& textures) const {
   textures.bind_plain(unit::tint_maps, GL_TEXTURE_2D_ARRAY, directional_.texture.id());
   textures.bind_plain(unit::tint_maps + 1, GL_TEXTURE_2D_ARRAY, local_.texture.id());
   program.set("tint_maps_of", glm::ivec2(directional_.texture ? 1 : 0, local_.texture ? 1 : 0));
-  program.set("tints_reversed", static_cast<int>(reversed_depth_));
+  program.set("tints_reversed", static_cast<int>(wanted_.reversed_depth));
 }
 
 }  // namespace sideray::gl

@@ -26,10 +26,13 @@ class TintMaps {
 
   // Makes the next draw() draw anew.
   void forget() { drawn_ = false; }
-  // Draws the maps of a plan where something in the scene tints light.
-  void draw(RasterScene& scene, RasterPrograms& programs, const ShadowPlan& plan, bool reversed_depth);
-  // Removes the maps until the next draw().
-  void leave_out();
+  struct Wanted {
+    TintedLights lights = TintedLights::none;
+    bool reversed_depth = false;
+    bool operator==(const Wanted&) const = default;
+  };
+  // Draws the maps of a plan where something in the scene tints light, and removes those of other lights.
+  void draw(RasterScene& scene, RasterPrograms& programs, const ShadowPlan& plan, const Wanted& wanted);
   bool exist() const { return directional_.texture || local_.texture; }
   // Binds the maps for a program with SR_TINT_MAPS.
   void bind(const Program& program, RasterTextures& textures) const;
@@ -46,7 +49,8 @@ class TintMaps {
   const Functions& gl_;
   Framebuffer framebuffer_;
   Maps directional_, local_;
-  bool drawn_ = false, reversed_depth_ = false;
+  Wanted wanted_;
+  bool drawn_ = false;
 };
 
 }  // namespace sideray::gl

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <set>
 
 #include "cli/program.h"
 
@@ -273,15 +274,20 @@ TEST_F(Plan, ListsTheScenesOwnTextures) {
     EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
 }
 
-TEST_F(Plan, TintMapsAreOnlyMadeWhereNoMasksHoldTheTints) {
-  const auto has_tint_maps = [&](const char* options) {
-    const json planned = bounded("solids --size 64x36 " + std::string(options));
-    return std::ranges::any_of(planned["textures"], [](const json& texture) {
-      return texture["name"].get<std::string>().starts_with("tint_map");
-    });
+TEST_F(Plan, BesideMasksOnlyDirectionalLightsHaveTintMaps) {
+  const auto tint_maps = [&](const char* options) {
+    const json planned = bounded(std::string(options) + " --size 64x36");
+    std::set<std::string> names;
+    for (const json& texture : planned["textures"])
+      if (const auto name = texture["name"].get<std::string>(); name.starts_with("tint_map")) names.insert(name);
+    return names;
   };
-  EXPECT_TRUE(has_tint_maps("--shadows map"));
-  EXPECT_FALSE(has_tint_maps("--shadows inexact"));
+  const std::set<std::string> none, directional{"tint_map.directional"}, local{"tint_map.local"};
+  EXPECT_EQ(tint_maps("solids --shadows map"), directional);
+  EXPECT_EQ(tint_maps("solids --shadows inexact"), directional);
+  EXPECT_EQ(tint_maps("solids --shadows off"), none);
+  EXPECT_EQ(tint_maps("bistro --shadows map"), local);
+  EXPECT_EQ(tint_maps("bistro --shadows inexact"), none);
 }
 
 TEST_F(Plan, AgreesWithTheCounters) {
