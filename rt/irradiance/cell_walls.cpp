@@ -10,7 +10,9 @@ namespace {
 // surface bulges by a third of that height.
 constexpr float raised = 0.25f;
 constexpr float short_of_end = 1.0f - 0x1p-6f;
-constexpr int around = 3;  // cells on each side whose paths are taken into account
+// Cells on each side whose paths are taken into account: with 3, one pixel in 150,000 beside a wall of 1 cm leaks in a
+// first frame, because no path hits the wall where it is near.
+constexpr int around = 5;
 
 }  // namespace
 

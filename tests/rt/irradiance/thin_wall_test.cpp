@@ -103,7 +103,8 @@ TEST_P(ThinWall, LeaksNothingInASinglePicture) {
   const RoomFrame frame(tracer, view_from(0));
   for (const bool denoise : {false, true}) {
     size_t sum = 0;
-    for (uint32_t seed = 1; seed <= 4; ++seed) {
+    // With seed 28 only distant cells' paths tell of a wall.
+    for (const uint32_t seed : {1u, 2u, 3u, 28u}) {
       IrradianceRequest request;
       request.view = frame.view;
       request.width = width, request.height = height;
