@@ -1,7 +1,6 @@
 #include "bridge/drawing/sequence.h"
 
 #include <algorithm>
-#include <cstring>
 #include <optional>
 #include <utility>
 
@@ -10,6 +9,7 @@
 #include "bridge/picture/changed_tiles.h"
 #include "rt/base/pixels.h"
 #include "rt/base/sampling.h"
+#include "rt/history/still_frames.h"
 #include "rt/scene/scene_difference.h"
 
 namespace sideray::bridge {
@@ -43,9 +43,10 @@ bool has_parts(const FramePlan& plan, const RenderOptions& o, const model::Snaps
          o.picture.budget_ms <= 0.0f && o.diagnostics.budget_pieces == 0 && !snapshot.shader.shade;
 }
 
-template <typename T>
-bool same_bytes(const T& a, const T& b) {
-  return std::memcmp(&a, &b, sizeof(T)) == 0;
+// Compares structs up to their last member. Padding behind it holds anything.
+template <typename T, typename Last>
+bool same_through(Last T::*last, const T& a, const T& b) {
+  return rt::bytes_through(last, a) == rt::bytes_through(last, b);
 }
 
 // Returns whether frames with the same options treat everything that has not moved in the same way.
@@ -54,8 +55,10 @@ bool same_plans(const FramePlan& a, const FramePlan& b) {
          a.rasters_translucency == b.rasters_translucency && a.traced == b.traced && a.mask_kind == b.mask_kind &&
          a.casts_shadows == b.casts_shadows && a.glass_shadows == b.glass_shadows && a.reflects == b.reflects && a.bounces == b.bounces &&
          a.marks_inexact == b.marks_inexact && a.fills_rest == b.fills_rest &&
-         same_bytes(a.layers, b.layers) && same_bytes(a.masks, b.masks) && same_bytes(a.reflections, b.reflections) &&
-         same_bytes(a.irradiance, b.irradiance);
+         same_through(&sideray_layer_inputs::bounces, a.layers, b.layers) &&
+         same_through(&sideray_mask_inputs::checks_surfaces, a.masks, b.masks) &&
+         same_through(&sideray_reflection_inputs::denoise, a.reflections, b.reflections) &&
+         same_through(&sideray_irradiance_inputs::denoise, a.irradiance, b.irradiance);
 }
 
 // Returns what moved between two pictures with the same options; nullopt where that may be everything.

@@ -400,6 +400,10 @@ Json whole_document(Random& random) {
   return Document(random).make();
 }
 
+int64_t wrapping_sum(int64_t a, int64_t b) {
+  return static_cast<int64_t>(static_cast<uint64_t>(a) + static_cast<uint64_t>(b));
+}
+
 void break_document(Json& document, Random& random) {
   const uint32_t breaks = 1 + random.below(4);
   for (uint32_t i = 0; i < breaks; ++i) {
@@ -409,7 +413,7 @@ void break_document(Json& document, Random& random) {
     if (value.is_structured() && random.one_in(2))
       shake(value, random);
     else if (value.is_number_integer() && random.one_in(2))
-      value = value.get<int64_t>() + random.pick({-1, 1, 7, 1000000, -1000});
+      value = wrapping_sum(value.get<int64_t>(), random.pick({-1, 1, 7, 1000000, -1000}));
     else
       value = odd_value(random);
   }
