@@ -253,7 +253,7 @@ DepthPoint DepthPoints::Single::point(const MaskRequest& r, const ViewRays& view
 }
 
 double DepthPoints::Single::start_rays(const Seen& here, const Tilt& tilt, float subpixel, DepthPoint& p) {
-  const auto& [across, up, normal] = tilt;
+  const Step &across = tilt.across, &up = tilt.up;
   const glm::dvec3 toward(here.direction);
   // The margin covers the depth's error and the rasterizer's snapping to its grid of sub-pixels, times the slope. The
   // slope is exact up to the geometry between neighbours and a step of depth.
@@ -265,12 +265,12 @@ double DepthPoints::Single::start_rays(const Seen& here, const Tilt& tilt, float
   p.doubt = static_cast<float>(std::min(doubt(across) + doubt(up), 2.0));
   // In the rest pose the surface has another tilt, so errors along and across the view ray count in full.
   const double any_way = off + (across.breadth + up.breadth) * double{subpixel};
-  const glm::dvec3 moved = here.resting ? normal * (any_way + least) : -toward * off + normal * least;
+  const glm::dvec3 moved = here.resting ? tilt.normal * (any_way + least) : -toward * off + tilt.normal * least;
   p.front = glm::vec3(here.position + moved);
   // If the tilt is unknown, rays skip nearby hits. Behind the surface they start as close to it as possible, to miss no
   // surface behind it.
   const glm::dvec3 moved_back =
-      tilt.known() || here.resting ? moved : -toward * moved_by(here.noise) + normal * least;
+      tilt.known() || here.resting ? moved : -toward * moved_by(here.noise) + tilt.normal * least;
   p.back = glm::vec3(here.position - moved_back);
   return off;
 }
