@@ -9,7 +9,6 @@
 #include "bridge/picture/changed_tiles.h"
 #include "rt/base/pixels.h"
 #include "rt/base/sampling.h"
-#include "rt/history/still_frames.h"
 #include "rt/scene/scene_difference.h"
 
 namespace sideray::bridge {
@@ -41,12 +40,6 @@ bool has_parts(const FramePlan& plan, const RenderOptions& o, const model::Snaps
   return !plan.reference && !plan.composites() && !plan.second_wave && !plan.checks && !plan.distorts &&
          !plan.masks.combined_lights && !o.shows(traced) && !o.diagnostics.exact_points && o.picture.repeats == 0 &&
          o.picture.budget_ms <= 0.0f && o.diagnostics.budget_pieces == 0 && !snapshot.shader.shade;
-}
-
-// Compares structs up to their last member. Padding behind it holds anything.
-template <typename T, typename Last>
-bool same_through(Last T::*last, const T& a, const T& b) {
-  return rt::bytes_through(last, a) == rt::bytes_through(last, b);
 }
 
 // Returns whether frames with the same options treat everything that has not moved in the same way.

@@ -1,21 +1,11 @@
 #include "bridge/options/same_options.h"
 
 #include <algorithm>
-#include <cstddef>
-#include <cstring>
 
 #include "bridge/options/option_row.h"
 
 namespace sideray::bridge {
 namespace {
-
-// Compares structs without padding before their last member.
-template <typename T, typename Last>
-bool same_through(Last T::*last, const T& a, const T& b) {
-  const auto* begin = reinterpret_cast<const std::byte*>(&a);
-  const auto bytes = static_cast<size_t>(reinterpret_cast<const std::byte*>(&(a.*last) + 1) - begin);
-  return std::memcmp(&a, &b, bytes) == 0;
-}
 
 OptionValues what_counts(const RenderOptions& options) {
   OptionValues values;

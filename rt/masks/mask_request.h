@@ -106,8 +106,8 @@ struct OcclusionMasks {
   // their neighbours, are neither all lit nor all dark. Empty unless requested.
   std::vector<float> hit_distance;
   std::vector<uint8_t> open;  // ambient; empty unless requested
-  // What filters read, empty without them: distances as in hit_distance, where masks of lights are filtered, and along
-  // the first ambient ray of each pixel.
+  // Filters read these, and without filters they are empty. filter_distance: as hit_distance, where masks of lights are
+  // filtered; open_distance: along the first ambient ray of each pixel.
   std::vector<float> filter_distance, open_distance;
   // Depth along the camera's axis, from fill_depths() (rt/history/frame_camera.h), and the error of the depth buffer in
   // its range 0..1. Empty unless requested (`moving`).

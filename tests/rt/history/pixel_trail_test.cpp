@@ -207,7 +207,7 @@ TEST_P(Trail, ends_with_a_cut) {
   EXPECT_FALSE(trail.follows(trail.step() - 1));
 }
 
-// Where a floor is seen from its edge, depths of neighbouring pixels differ by far more than those of one surface.
+// A floor that is seen from its edge has depths that differ far more between neighbouring pixels than on other surfaces.
 TEST_P(Trail, follows_a_floor_that_is_seen_from_its_edge) {
   Executor executor(2);
   PixelTrail trail;

@@ -103,7 +103,7 @@ TEST_P(ThinWall, LeaksNothingInASinglePicture) {
   const RoomFrame frame(tracer, view_from(0));
   for (const bool denoise : {false, true}) {
     size_t sum = 0;
-    // With seed 28 only distant cells' paths tell of a wall.
+    // Seed 28 sends paths to the wall from distant cells alone.
     for (const uint32_t seed : {1u, 2u, 3u, 28u}) {
       IrradianceRequest request;
       request.view = frame.view;

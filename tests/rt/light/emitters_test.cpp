@@ -191,7 +191,7 @@ TEST(Emitters, AreOnlyWhatRandomRaysFindWithoutHoles) {
   EXPECT_FALSE(is_sampled(holes));
 }
 
-// Of two panels on either side of a point, each is chosen by its mean radiance, that of its texture included.
+// A point between two panels chooses each in proportion to its mean radiance, its texture's included.
 TEST(Emitters, AreChosenByTheirRadiance) {
   for (const bool srgb : {false, true}) {
     TestScene scene;
