@@ -276,8 +276,8 @@ typedef enum sideray_stage {
   SIDERAY_STAGE_LIGHT,
   SIDERAY_STAGE_COMPOSITE,
   SIDERAY_STAGE_TOTAL_FRAME,
-  /* As TOTAL_FRAME, whose repeats draw all shadow maps, but of a frame that reuses the maps of everything at rest. 0
-   * without shadow maps. */
+  /* This is the time of a frame that reuses the shadow maps of everything at rest; TOTAL_FRAME draws all of them anew. It
+   * is 0 without shadow maps. */
   SIDERAY_STAGE_KEPT_FRAME,
   SIDERAY_STAGE_FORCE_32 = 0x7fffffff /* later versions may have more */
 } sideray_stage;
