@@ -55,6 +55,11 @@ void run(const Arguments& a) {
   }
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
   std::printf("%u frames, %.1f ms each\n", frames, took.count() / frames);
+  if (retrofit && retrofit->stats().pixels_masked > 0) {
+    const sideray_frame_stats& last = retrofit->stats();
+    std::printf("%.1f %% of the last frame's glass has a ray-traced answer\n",
+                100.0 * static_cast<double>(last.pixels_masked - last.pixels_late) / static_cast<double>(last.pixels_masked));
+  }
   if (!a.file.empty()) room.save(picture, a.file);
 }
 
