@@ -12,6 +12,8 @@ MOST_OF_DIMMED_LAMPS = 2  # candela
 # Extensions that not all programs support; without them all draw the same picture.
 LEFT_OUT = ("clearcoat", "sheen", "diffuse_transmission", "dispersion", "iridescence", "anisotropy")
 
+COMPRESSED = {"EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_draco_mesh_compression"}
+
 
 def write_glb(path, gltf, binary):
     text = json.dumps(gltf).encode()
@@ -21,12 +23,20 @@ def write_glb(path, gltf, binary):
                      struct.pack("<II", len(binary), 0x004E4942) + binary)
 
 
+def refuse_compressed(path, gltf):
+    """Refuses meshes that need a decoder, which not all programs have."""
+    for name in COMPRESSED & set(gltf.get("extensionsRequired", [])):
+        raise Failure(f"{path} is compressed by {name}, which not all programs read; export it again without compression")
+
+
 def pack(path):
     """(JSON, binary) of a .glb or of a .gltf with its files."""
     if path.suffix == ".glb":
         glb = Glb(path)
+        refuse_compressed(path, glb.json)
         return glb.json, glb.binary
     gltf, binary = json.loads(path.read_text()), bytearray()
+    refuse_compressed(path, gltf)
 
     def append(data):
         binary.extend(b"\0" * (-len(binary) % 4))

@@ -45,12 +45,12 @@ std::set<std::string> names(const json& list) {
 // With a reference of more bounces the light that no method computes is a separate term, and the others are unchanged.
 TEST_F(ChartLedger, LightThatNoMethodComputesIsToldApart) {
   const json plain = ledger("solids --translucency raster --shadows map --denoise off"),
-             l = ledger("solids --translucency raster --shadows map --denoise off --bounces 3");
+             l = ledger("solids --translucency raster --shadows map --denoise off --bounces 2");
   const json& bounces = term(l, "bounces");
   EXPECT_EQ(bounces["kind"], "residual");
   EXPECT_EQ(bounces["options"], (json{{"reference", "true"}, {"bounces", "1"}}));
   EXPECT_GT(bounces["mean_absolute"].get<double>(), 0.0);
-  EXPECT_EQ(l["reference"]["bounces"], 3);
+  EXPECT_EQ(l["reference"]["bounces"], 2);
   EXPECT_FALSE(plain["reference"].contains("bounces"));
   EXPECT_FALSE(names(plain["terms"]).contains("bounces"));
   double shares = 0;

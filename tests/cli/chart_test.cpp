@@ -15,8 +15,9 @@ class Chart : public Program {
     Program::SetUp();
     if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   }
-  Outcome chart(const std::string& arguments) {
-    const Outcome outcome = run("chart " + arguments + small);
+  Outcome chart(const std::string& arguments) { return chart(arguments, small); }
+  Outcome chart(const std::string& arguments, const std::string& sizes) {
+    const Outcome outcome = run("chart " + arguments + sizes);
     EXPECT_EQ(outcome.exit_code, 0) << arguments << "\n" << outcome.errors;
     EXPECT_EQ(outcome.errors, "");
     return outcome;
@@ -160,7 +161,7 @@ TEST_F(Chart, TheReferenceReflectsWhereTheChartDoes) {
 TEST_F(Chart, AutoIsOffAgainstTheLightOfOneBounce) {
   write("s.json", R"([{"translucency": "off"}, {"translucency": "off", "ambient": "ao"}, {"ambient": "auto", "reflections": "on"}])");
   const auto used = [&](const std::string& options) {
-    chart("empty -o d --sweep s.json " + options);
+    chart("empty -o d --sweep s.json " + options, " --size 16x9 --light-samples 1 --repeat 1");
     std::string list;
     const json rows = results("d")["rows"];
     for (const json& row : rows) {

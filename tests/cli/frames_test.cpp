@@ -13,6 +13,8 @@ namespace {
 using nlohmann::json;
 
 constexpr int usage = 2;
+// The camera moves.
+const std::string small_bistro = "'bistro?tables=1&bottles=2&lamps=1' --camera dolly ";
 
 class Frames : public Program {
  protected:
@@ -92,7 +94,7 @@ TEST_F(Frames, NumbersArePaddedAndMayGrow) {
 // Frame n shows the time n / fps, also of cameras.
 TEST_F(Frames, AFrameIsThePictureOfItsMoment) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
-  const std::string scene = "bistro --camera dolly --size 48x27 --shadows off --taa off --denoise off ";
+  const std::string scene = small_bistro + "--size 48x27 --shadows off --taa off --denoise off ";
   render(scene + "--frames 2-4 --fps 4 -o full.#.exr --stats s.jsonl");
   render(scene + "--time 0.75 -o still.exr");
   EXPECT_EQ(colours("full.3.exr"), colours("still.exr"));
@@ -189,7 +191,7 @@ TEST_F(Frames, AShardWritesItsBlockAlone) {
 // A block that warms up from the sequence's start has the bits of the whole; one without warming up has no history.
 TEST_F(Frames, ABlockOfATemporalSequenceWarmsUp) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
-  const std::string scene = "bistro --camera dolly --size 48x27 --frames 2-5 --fps 30 --shadows off --ambient off --taa on ";
+  const std::string scene = small_bistro + "--size 48x27 --frames 2-5 --fps 30 --shadows off --ambient off --taa on ";
   render(scene + "-o whole.#.exr");
   render(scene + "-o warm.#.exr --shard 1/2");
   EXPECT_FALSE(fs::exists(path("warm.3.exr"))) << "frames that warm up are not written";
@@ -235,9 +237,6 @@ class FramesInParts : public Frames {
     }
     return text.str();
   }
-  // The camera moves.
-  const std::string bistro_ = "'bistro?tables=1&bottles=2&lamps=1' --camera dolly ";
-
  private:
   const std::string size_and_frames_ = " --size 32x18 --frames 2-4 --fps 60 --cull-angle 0 ";
 };
@@ -245,10 +244,10 @@ class FramesInParts : public Frames {
 TEST_F(FramesInParts, WhatHasNoPastHasTheBytesOfTheWhole) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   for (const std::string& options :
-       {bistro_ + "--shadows map --ambient off --denoise on --ray-reuse 0.0625",
-        bistro_ + "--shadows map --ambient off --ray-reuse 0 --cache-rate checkerboard",
-        bistro_ + "--shadows exact --denoise off --ambient ao --reflections on",
-        bistro_ + "--translucency raytraced --shadows map --ambient off",
+       {small_bistro + "--shadows map --ambient off --denoise on --ray-reuse 0.0625",
+        small_bistro + "--shadows map --ambient off --ray-reuse 0 --cache-rate checkerboard",
+        small_bistro + "--shadows exact --denoise off --ambient ao --reflections on",
+        small_bistro + "--translucency raytraced --shadows map --ambient off",
         std::string("'forest?count=50' --shadows inexact --denoise off")}) {
     draw_whole(options + " --taa off");
     EXPECT_TRUE(is_of_the_whole(options + " --taa off", "--warm-up 0")) << options;
@@ -258,7 +257,7 @@ TEST_F(FramesInParts, WhatHasNoPastHasTheBytesOfTheWhole) {
 TEST_F(FramesInParts, WhatHasAPastHasThemWhereItWarmsUpFromTheFirstFrameOn) {
   if (!can_draw()) GTEST_SKIP() << "no OpenGL device; see sideray devices";
   for (const std::string& options :
-       {bistro_ + "--taa on --shadows map", bistro_ + "--taa off --shadows exact --denoise on",
+       {small_bistro + "--taa on --shadows map", small_bistro + "--taa off --shadows exact --denoise on",
         // Little of the sky is seen from within the bistro.
         std::string("empty --taa off --shadows map --ambient ao --denoise on")}) {
     draw_whole(options);

@@ -56,7 +56,7 @@ TEST_F(Truth, APartOfACalibratedPictureIsThatPart) {
 
 // The lens options also apply to cameras that an animation moves or that a file gives.
 TEST_F(Truth, AFlightKeepsItsLens) {
-  render("bistro -o f.####.png --frames 0-2 --size 16x9 --gl none --camera dolly --translucency off --shadows off "
+  render("'bistro?tables=1' -o f.####.png --frames 0-2 --size 16x9 --gl none --camera dolly --translucency off --shadows off "
          "--intrinsics 12,14,9,3 --truth t.####.json");
   for (const char* file : {"t.0000.json", "t.0002.json"})
     EXPECT_NEAR(truth(file)["images"][0]["camera"]["K"][2].get<double>(), 9.0, 1e-4) << file;

@@ -35,11 +35,12 @@ def test_each_picture_is_the_one_it_is_alone(gl, threads, options):
     scene = sideray.load("panes")
     cameras = around(scene, 7)
     with sideray.Renderer(gl=gl, threads=threads) as renderer, sideray.Renderer(gl=gl, threads=threads) as alone:
+        expected = [alone.render(scene, SIZE, camera, **options) for camera in cameras]
         for _ in range(2):
             pictures = renderer.render_many(scene, cameras, SIZE, **options)
             assert len(pictures) == 7
-            for picture, camera in zip(pictures, cameras):
-                same(picture, alone.render(scene, SIZE, camera, **options))
+            for picture, other in zip(pictures, expected):
+                same(picture, other)
 
 
 @pytest.mark.parametrize("scene", ["smoke", "forest"])

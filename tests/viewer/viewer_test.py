@@ -179,6 +179,18 @@ class Viewer(unittest.TestCase):
         self.wait_for("True", 10, lambda: str(len(self.pictures()) > before))
         return self.pictures()[-1]
 
+    def at_rest(self, box):
+        """The pixels in the box once they are those of the saved picture: titles tell of a picture before the screen shows it."""
+        self.wait_for("64/64")
+        rows = png_rows(self.save())
+        picture = b"".join(row[3 * box[0]:3 * box[2]] for row in rows[box[1]:box[3]])
+
+        def is_shown():
+            screen = self.display.screen(box)
+            return all(screen[2 - k::4] == picture[k::3] for k in range(3))
+        self.wait_until(is_shown, "the screen does not show the picture of 64 samples")
+        return self.display.screen(box)
+
     def test_what_stands_still_is_the_picture_of_64_samples_and_then_costs_nothing(self):
         self.open("panes")
         self.display.use("mousemove", 80, 45)
@@ -206,10 +218,9 @@ class Viewer(unittest.TestCase):
         self.close()
 
     def test_keys_fly_and_the_list_has_cameras(self):
-        self.open("panes", "120x260")
+        self.open("panes", "120x260", *QUICK)
         picture = (10, 40, 110, 250)
-        self.wait_for("64/64")
-        views = [self.display.screen(picture)]
+        views = [self.at_rest(picture)]
         for key in ("w", "d", "e"):
             self.client.hold(key, True)
             time.sleep(0.5)
@@ -223,10 +234,9 @@ class Viewer(unittest.TestCase):
         self.close()
 
     def test_blinking_shows_a_and_b_in_turn(self):
-        self.open("panes", "160x90", "--translucency", "raytraced")
-        self.wait_for("64/64")
+        self.open("panes", "160x90", "--translucency", "raytraced", *QUICK)
         picture = (0, 30, 160, 90)
-        a = self.display.screen(picture)
+        a = self.at_rest(picture)
         self.client.press("b")
         self.wait_for("reference ")
         for _ in range(2):
@@ -281,7 +291,7 @@ class Viewer(unittest.TestCase):
         self.assertEqual((self.folder / "opened.txt").read_text(), "panes-001-chart/index.html\n")
 
     def test_mouse_and_keys_move_the_camera_and_compare(self):
-        self.open("panes")
+        self.open("panes", "160x90", *QUICK)
         self.wait_for("64/64")
         still = self.display.screen((0, 30, 160, 90))
         self.drag((60, 60), (90, 60), (110, 60))
@@ -298,7 +308,7 @@ class Viewer(unittest.TestCase):
 
     def test_a_scene_that_cannot_be_read_leaves_the_old_one(self):
         subprocess.run([PROGRAM, "make", "panes", "-o", self.folder / "scene.glb"], check=True)
-        self.open("scene.glb")
+        self.open("scene.glb", "160x90", *QUICK)
         self.wait_for("64/64")
         (self.folder / "scene.glb").write_bytes(b"no scene")
         panel = (165, 25, 165 + PANEL - 40, 75)
@@ -326,7 +336,7 @@ class Viewer(unittest.TestCase):
         self.assertLess(self.close(), 5, "closing waited for a picture")
 
     def test_a_command_whose_control_key_is_released_first_does_not_fly(self):
-        self.open("panes")
+        self.open("panes", "160x90", *QUICK)
         self.wait_for("64/64")
         self.client.hold("Control_L", True)
         self.client.hold("s", True)
@@ -366,7 +376,7 @@ class Viewer(unittest.TestCase):
 
     def test_the_space_bar_plays_and_pauses(self):
         scene_files.gltf(self.folder / "square.gltf")
-        self.open("square.gltf", "120x90")
+        self.open("square.gltf", "120x90", *QUICK)
         self.wait_for("64/64")
         picture = (0, 30, 120, 90)
         for _ in range(2):
@@ -468,7 +478,7 @@ class Viewer(unittest.TestCase):
         self.close()
 
     def test_a_display_that_goes_away_leaves_a_command_that_goes_on(self):
-        self.open("panes")
+        self.open("panes", "160x90", *QUICK)
         self.wait_for("64/64")
         lost = self.display
 
@@ -483,14 +493,14 @@ class Viewer(unittest.TestCase):
     @needs_lost_context
     def test_a_lost_context_leaves_a_command_that_goes_on(self):
         lost = self.folder / "lost"
-        self.open("panes", LD_PRELOAD=str(LOST_CONTEXT), SIDERAY_LOSE_WINDOW=str(lost))
+        self.open("panes", "160x90", *QUICK, LD_PRELOAD=str(LOST_CONTEXT), SIDERAY_LOSE_WINDOW=str(lost))
         self.wait_for("64/64")
         self.go_on(*self.lose(lambda: (lost.touch(), self.client.move(90, 70)), "its OpenGL context was reset"))
 
     @needs_lost_context
     def test_a_lost_window_ends_although_a_picture_does_not(self):
         lost, hang = self.folder / "lost", self.folder / "hang"
-        self.open("panes", "160x90", "--gl", "egl", LD_PRELOAD=str(LOST_CONTEXT), SIDERAY_LOSE_WINDOW=str(lost),
+        self.open("panes", "160x90", "--gl", "egl", *QUICK, LD_PRELOAD=str(LOST_CONTEXT), SIDERAY_LOSE_WINDOW=str(lost),
                   SIDERAY_HANG_RENDERER=str(hang))
         self.wait_for("64/64")
         hang.touch()
@@ -504,7 +514,7 @@ class Viewer(unittest.TestCase):
     @needs_lost_context
     def test_a_renderer_whose_context_is_lost_is_made_anew(self):
         lost = self.folder / "lost"
-        self.open("panes", "160x90", "--gl", "egl", LD_PRELOAD=str(LOST_CONTEXT), SIDERAY_LOSE_RENDERER=str(lost))
+        self.open("panes", "160x90", "--gl", "egl", *QUICK, LD_PRELOAD=str(LOST_CONTEXT), SIDERAY_LOSE_RENDERER=str(lost))
         self.wait_for("64/64")
         self.frame_all()
         saved = self.save()
