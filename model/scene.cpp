@@ -349,8 +349,8 @@ const std::shared_ptr<const Environment>& Scene::environment() {
   return environment_;
 }
 
-bool Scene::is_solid(SceneMesh& mesh, const sideray_material_desc& material) {
-  if (!has_volume(material)) return false;
+bool Scene::is_closed_glass(SceneMesh& mesh, const sideray_material_desc& material) {
+  if (!has_volume(material) && !(material.transmission > 0.0f && material.double_sided)) return false;
   if (!mesh.closed) mesh.closed = is_closed(*mesh.mesh);
   return *mesh.closed;
 }
@@ -413,7 +413,9 @@ void Scene::commit_instances(const Places& places, Snapshot& snapshot) {
     instance.mesh = places.meshes[d.mesh];
     instance.material = places.materials[d.material];
     Material& material = snapshot.materials[instance.material];
-    instance.solid = is_solid(mesh, material.desc);
+    const bool closed = is_closed_glass(mesh, material.desc), volume = has_volume(material.desc);
+    instance.solid = closed && volume;
+    instance.shell = closed && !volume;
     if (material.desc.alpha_mode == SIDERAY_BLEND && mesh.mesh->has_colors) {
       const uint32_t texture = material.desc.base_color_texture.texture;
       const Texture* base_color = texture ? snapshot.textures[texture - 1].get() : nullptr;

@@ -99,7 +99,7 @@ class Scene {
   void count_users(const sideray_material_desc& desc, int change);
 
   const std::shared_ptr<const Environment>& environment();
-  bool is_solid(SceneMesh& mesh, const sideray_material_desc& material);
+  bool is_closed_glass(SceneMesh& mesh, const sideray_material_desc& material);
   Material placed_material(const SceneMaterial& material, const Places& places) const;
   void commit_shading(Snapshot& snapshot);
   void commit_instances(const Places& places, Snapshot& snapshot);

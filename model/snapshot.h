@@ -76,6 +76,7 @@ struct Instance {
   glm::mat3 normal_from_object;  // inverse transpose; normalize the product
   bool mirrored;                 // negative determinant: the front face is the clockwise one
   bool solid;                    // a closed mesh around a volume (transmission, thickness): front faces are its outside
+  bool shell;                    // a closed mesh of thin glass with two sides, which encloses light
   uint32_t surface_id, visibility;
   Bounds bounds;      // local space
   uint32_t wind = 0;  // index + 1 into the snapshot's winds, 0 = no wind

@@ -230,7 +230,8 @@ void LightAround::find_reaches() {
   }
 }
 
-// For the sky, averages the visible share of the light in the paths' directions: it is exactly one if nothing occludes.
+// The nearer surface of two points decides: the bright floor around would else brighten that below an object. For the
+// sky, averages the visible share of the light in the paths' directions: it is exactly one if nothing occludes.
 ArrivingLight LightAround::mean_about(const Record& at) const {
   glm::vec3 thrown(0.0f), sky(0.0f), seen_sky(0.0f);
   float weights = 0.0f;
@@ -239,8 +240,9 @@ ArrivingLight LightAround::mean_about(const Record& at) const {
     if (!(alike > 0.0f)) continue;
     const glm::vec3 apart = r.position - at.position;
     const float across = glm::dot(apart, at.normal) * off_plane, off2 = glm::dot(apart, apart) + across * across;
-    if (!(off2 < r.reach * r.reach)) continue;
-    const float weight = (1.0f - std::sqrt(off2) / r.reach) * alike;
+    const float reach = std::min(r.reach, at.reach);
+    if (!(off2 < reach * reach)) continue;
+    const float weight = (1.0f - std::sqrt(off2) / reach) * alike;
     thrown += r.thrown * weight;
     sky += r.sky * weight;
     seen_sky += r.seen_sky * weight;

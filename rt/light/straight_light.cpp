@@ -9,6 +9,7 @@
 namespace sideray::rt {
 namespace {
 
+constexpr float most_scattered = 0.98f;
 // Surfaces up to this many offsets apart along the normal count as being at one place.
 constexpr float skin_offsets = 2.0f, least_cosine = 1e-3f, rounding = 0x1p-20f;
 
@@ -31,13 +32,16 @@ MediumStack media_before(std::span<const StraightSurface> met) {
   return begun;
 }
 
-// Returns how much of a lamp's light the solid around it, where the ray ends, reflects from wall to wall: a frosted bulb
-// sends that out as if it came from the lamp. 0 if the ray ends in no solid that it enters.
+// Returns how much of a lamp's light the solid or shell around it, where the ray ends, reflects from wall to wall: a
+// frosted bulb sends that out as if it came from the lamp. 0 if the ray ends in nothing that it enters. Within a shell
+// nothing absorbs but the walls, so all reflections form a geometric series.
 glm::vec3 scattered_around_end(std::span<const StraightSurface> met) {
   for (size_t i = met.size(); i-- > 0;) {
     const StraightSurface& s = met[i];
     const auto leaves = [&](const StraightSurface& later) { return later.hit.instance == s.hit.instance && !later.hit.front; };
-    if (s.solid && s.hit.front && std::none_of(met.begin() + static_cast<ptrdiff_t>(i) + 1, met.end(), leaves)) return s.scattered;
+    if (!(s.solid || s.shell) || !s.hit.front) continue;
+    if (std::any_of(met.begin() + static_cast<ptrdiff_t>(i) + 1, met.end(), leaves)) continue;
+    return s.solid ? s.scattered : s.scattered / (1.0f - glm::min(s.scattered, most_scattered));
   }
   return glm::vec3(0.0f);
 }
@@ -110,7 +114,7 @@ StraightSurface straight_surface(const RefractionScene& media, const SurfacePoin
   const float cosine = std::min(std::abs(glm::dot(p.surface.normal, p.to_eye)), 1.0f);
   const float across = std::max(std::abs(glm::dot(p.geometric_normal, p.to_eye)), least_cosine);
   const bool multiplies = p.blend == SIDERAY_BLEND_MULTIPLY;
-  return {p.hit, is_solid(media, p.hit), cosine, skin_offsets * p.offset / across, p.blended.through,
+  return {p.hit, is_solid(media, p.hit), is_shell(media, p.hit), cosine, skin_offsets * p.offset / across, p.blended.through,
           inner_of(p.surface), edge_of(p.surface), multiplies ? 0.0f : p.surface.alpha, scattered_by(p.surface)};
 }
 
@@ -225,7 +229,7 @@ void StraightLight::take(const Ray& ray, std::span<const Hit> hits) {
     // A perturbed normal may point beyond the horizon; the cosine is then 0.
     const float cosine = std::clamp(glm::dot(hit.front ? -normal : normal, ray.direction), 0.0f, 1.0f);
     const float skin = skin_offsets * rounding * largest_coordinate(instance.bounds) / std::max(cosine, least_cosine);
-    met_.push_back({hit, solid, cosine, skin, plain.at(cosine), plain.inner, plain.edge, plain.cover,
+    met_.push_back({hit, solid, instance.shell, cosine, skin, plain.at(cosine), plain.inner, plain.edge, plain.cover,
                     plain.scattered});
   }
 }

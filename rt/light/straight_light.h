@@ -3,7 +3,7 @@
 // angle, and the absorption of solids between entry and exit. Through parallel faces Fresnel's terms are those of a
 // refracted ray, which has the same angle outside, but the straight way between them is longer (by 1.6 at 60 degrees in
 // glass). A straight ray is never totally reflected, but transmits nothing at grazing angles. A lamp in a
-// frosted solid is brighter by what the walls reflect once.
+// frosted solid is brighter by what the walls reflect once, in a closed shell of thin glass by all reflections.
 // It has scratch memory: one object per thread.
 #pragma once
 
@@ -25,19 +25,24 @@ inline constexpr float least_straight_light = 1e-4f;
 struct StraightSurface {
   Hit hit;
   bool solid;         // encloses a medium that absorbs between entry and exit
+  bool shell;         // encloses air in thin glass
   float cosine;       // of the ray to the normal
   float skin;         // along the ray: surfaces this close behind count as being at the same place
   glm::vec3 through;  // transmittance between air and the medium
   // Between two media that are not air, the transmittance is 1 - cover + cover * inner * (1 - edge * Fresnel's term).
   glm::vec3 inner, edge;
   float cover;
-  glm::vec3 scattered;  // what its diffuse and rough lobes reflect of light from inside
+  glm::vec3 scattered;  // what its diffuse and rough lobes reflect once of light from inside
 };
 // `point`: for a solid, a surface of `media.surfaces`, whose tint has no absorption; otherwise a surface of the scene.
 StraightSurface straight_surface(const RefractionScene& media, const SurfacePoint& point);
 // Returns whether the hit's instance encloses a medium.
 inline bool is_solid(const RefractionScene& media, const Hit& hit) {
   return media.surfaces.snapshot->instances[hit.instance].solid && media.medium(hit.instance).volume;
+}
+
+inline bool is_shell(const RefractionScene& media, const Hit& hit) {
+  return media.surfaces.snapshot->instances[hit.instance].shell;
 }
 
 // Returns the transmittance of a straight ray with a length through the surfaces `met`, in order. Solids nest as in

@@ -106,7 +106,7 @@ bool Beams::is_there(BeamTarget target, const MediumStack& media, const Hit& hit
 StraightSurface Beams::surface(const Beam& beam, const Hit& hit, bool& scatters) const {
   const bool solid = refraction_ && is_solid(*refraction_, hit);
   const SurfacePoint point = surface_point(solid ? refraction_->surfaces : *scene_, hit, beam.ray, Cone{});
-  if (!refraction_) return {hit, false, 0.0f, 0.0f, point.blended.through, glm::vec3(0.0f), glm::vec3(0.0f), 0.0f, glm::vec3(0.0f)};
+  if (!refraction_) return {hit, false, false, 0.0f, 0.0f, point.blended.through, glm::vec3(0.0f), glm::vec3(0.0f), 0.0f, glm::vec3(0.0f)};
   scatters = !is_volume(hit) && is_scattered(point);
   return straight_surface(*refraction_, point);
 }

@@ -73,21 +73,23 @@ SurfacePoint surface_of(const ReflectionRequest& r, const ViewRays& view, const 
   return s;
 }
 
-// Returns whether the lobes around are similar, so that the filter can average single directions into the lobe's light.
-// On a bumpy surface few are.
-bool is_among_its_like(const ReflectionRequest& r, size_t texel) {
+// Returns whether the surface is smooth there, flat or curved: normals change evenly from each pixel to the opposite one.
+// Then single directions average into the lobe's light; on a bumpy surface, they would be specks.
+bool is_smooth_around(const ReflectionRequest& r, size_t texel) {
+  constexpr int64_t ways[4][2] = {{1, 0}, {0, 1}, {1, 1}, {1, -1}};
   const auto x = static_cast<int64_t>(texel % r.width), y = static_cast<int64_t>(texel / r.width);
+  const auto normal = [&](int64_t u, int64_t v) { return glm::vec3(r.normals[static_cast<size_t>(v * r.width + u)]); };
   const glm::vec4 own = r.normals[texel];
   const float turn = own.w * own.w * share_of_lobe;
   int alike = 0, around = 0;
   for (const int64_t step : {1, 2})
-    for (int64_t v = y - step; v <= y + step; v += step)
-      for (int64_t u = x - step; u <= x + step; u += step) {
-        if (u < 0 || v < 0 || u >= r.width || v >= r.height) continue;
-        const glm::vec3 bend(r.normals[static_cast<size_t>(v * r.width + u)] - own);
-        alike += glm::dot(bend, bend) < turn * turn ? 1 : 0;
-        ++around;
-      }
+    for (const auto& [i, j] : ways) {
+      const int64_t u = step * i, v = step * j;
+      if (x < std::abs(u) || y < std::abs(v) || x + std::abs(u) >= r.width || y + std::abs(v) >= r.height) continue;
+      const glm::vec3 bend = (normal(x + u, y + v) + normal(x - u, y - v)) * 0.5f - glm::vec3(own);
+      alike += glm::dot(bend, bend) < turn * turn ? 1 : 0;
+      ++around;
+    }
   return 2 * alike > around;
 }
 
@@ -196,7 +198,7 @@ void ReflectionTracing::trace_tile(const Tile& tile, Worker& w, ReflectionImage&
     store_rgba(&image.radiance[4 * size_t{w.texels[i]}], w.radiance[i], 1.0f);
     if (w.rough.empty() || w.rough[i].weight == glm::vec3(0.0f)) continue;
     RoughReflection& rough = w.rough[i];
-    if (!is_among_its_like(*tile.request, w.texels[i])) {
+    if (!is_smooth_around(*tile.request, w.texels[i])) {
       rough.radiance = w.radiance[i];
       rough.is_sampled = false;
     }

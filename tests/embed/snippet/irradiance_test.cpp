@@ -7,6 +7,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/packing.hpp>
 #include <glm/gtc/type_ptr.hpp>
+#include <span>
 #include <sideray/sideray.hpp>
 
 #include "embed/hosts/wall_host.h"
@@ -33,22 +34,45 @@ void add_quad(Scene& scene, const sideray_material_desc& material, glm::vec3 cen
   scene.add_instances({&instance, 1});
 }
 
-// Returns a matt wall at z = 0 that fills the picture, and a plate that emits red on it, beyond the picture's left
-// edge.
-Scene wall_and_glow() {
+sideray_material_desc matt(float reflected) {
+  sideray_material_desc m = sideray_material_defaults();
+  m.double_sided = 1;
+  m.metallic = m.specular = 0;
+  m.roughness = 1;
+  for (float& c : std::span(m.base_color, 3)) c = reflected;
+  return m;
+}
+
+sideray_material_desc glow() {
+  sideray_material_desc m = matt(0);
+  for (int c = 0; c < 3; ++c) m.emissive[c] = c == 0 ? 3.0f : 0.5f;
+  return m;
+}
+
+constexpr float plate_x = -2.4f, plate_half = 3, plate_top = 2;
+
+// Returns a matt wall at z = 0 that fills the picture, and a plate that stands on it, beyond the picture's left edge.
+Scene wall_and_plate(const sideray_material_desc& wall, const sideray_material_desc& plate) {
   Scene scene = Scene::create().value();
-  sideray_material_desc matt = sideray_material_defaults(), glow = matt;
-  matt.double_sided = glow.double_sided = 1;
-  matt.metallic = matt.specular = glow.specular = 0;
-  matt.roughness = 1;
-  for (int c = 0; c < 3; ++c) matt.base_color[c] = albedo, glow.base_color[c] = 0, glow.emissive[c] = c == 0 ? 3.0f : 0.5f;
-  add_quad(scene, matt, {0, 0, 0}, {10, 0, 0}, {0, 10, 0});
-  add_quad(scene, glow, {-2.4f, 0, 1}, {0, 3, 0}, {0, 0, 1});
+  add_quad(scene, wall, {0, 0, 0}, {10, 0, 0}, {0, 10, 0});
+  add_quad(scene, plate, {plate_x, 0, 0.5f * plate_top}, {0, plate_half, 0}, {0, 0, 0.5f * plate_top});
   const float black[12] = {};
   scene.set_environment(2, 2, black, 1, 0);
   scene.set_lights({});
   scene.commit();
   return scene;
+}
+
+// Returns the form factor from a point of the wall to half of the plate, which reaches so far along the wall (Howell, "A
+// Catalog of Radiation Heat Transfer Configuration Factors", B-4).
+double share_of_half(double distance, double along) {
+  const double x = double{plate_top} / along, y = distance / along, a = 1.0 / std::sqrt(x * x + y * y);
+  return (std::atan(1.0 / y) - a * y * std::atan(a)) / (2.0 * M_PI);
+}
+
+double share_of_plate(double x, double y) {
+  const double distance = x - double{plate_x}, half = double{plate_half};
+  return share_of_half(distance, half - y) + share_of_half(distance, half + y);
 }
 
 class SnippetIrradiance : public WallHost {
@@ -58,9 +82,11 @@ class SnippetIrradiance : public WallHost {
     program_ = make_program("result = vec4(0.5 * sideray_irradiance(), 1.0);");
   }
 
-  void trace(int x, int y, int w, int h) {
+  void trace(int x, int y, int w, int h, uint32_t seed = 1) {
     FrameInputs in = frame_of(x, y, w, h);
+    in.frame.seed = seed;
     in.irradiance = sideray_irradiance_inputs_defaults();
+    in.irradiance->denoise = denoise_;
     WallHost::trace(in);
   }
 
@@ -79,7 +105,34 @@ class SnippetIrradiance : public WallHost {
     return picture;
   }
 
-  Scene scene_ = wall_and_glow();
+  // Compares the light at the wall with that of a plate which is black but for this radiance. The wall must be black.
+  void expect_light_of_plate(glm::dvec3 radiance) {
+    denoise_ = 0;
+    constexpr uint32_t seeds = 64;
+    Picture sum(size_t{width} * height);
+    for (uint32_t seed = 1; seed <= seeds; ++seed) {
+      trace(0, 0, width, height, seed);
+      const Picture picture = draw();
+      for (size_t i = 0; i < sum.size(); ++i) sum[i] += picture[i] / static_cast<float>(seeds);
+    }
+    constexpr int border = 8;  // pixels that have light from within the picture alone, which is darker at one side
+    glm::dvec3 found(0), expected(0);
+    const glm::dmat4 world_from_clip = glm::inverse(clip_from_world());
+    for (int y = border; y < height - border; ++y)
+      for (int x = border; x < width - border; ++x) {
+        found += glm::dvec3(sum[static_cast<size_t>(y * width + x)]);
+        const auto on_ray = [&](double depth) {
+          const glm::dvec4 p = world_from_clip * glm::dvec4((x + 0.5) / width * 2 - 1, (y + 0.5) / height * 2 - 1, depth, 1);
+          return glm::dvec3(p) / p.w;
+        };
+        const glm::dvec3 a = on_ray(-1), b = on_ray(1), p = a + (b - a) * (a.z / (a.z - b.z));
+        expected += 0.5 * radiance * share_of_plate(p.x, p.y);
+      }
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], expected[c], 0.02 * expected[c]) << c;
+  }
+
+  int32_t denoise_ = 1;
+  Scene scene_ = wall_and_plate(matt(albedo), glow());
   Tracer tracer_ = Tracer::create(scene_).value();
 };
 
@@ -106,6 +159,27 @@ TEST_F(SnippetIrradiance, IsTheTexturesInItsRectangleAndBlackElsewhere) {
       most = std::max(most, expected.x);
     }
   EXPECT_GT(most, 0.1f);
+}
+
+TEST_F(SnippetIrradiance, IsTheLightOfAnEmissiveSurface) {
+  scene_ = wall_and_plate(matt(0), glow());
+  serve(tracer_ = Tracer::create(scene_).value());
+  program_ = make_program("result = vec4(0.5 * sideray_irradiance(), 1.0);");
+  expect_light_of_plate({3.0, 0.5, 0.5});
+}
+
+// A sun along the wall lights the plate alone.
+TEST_F(SnippetIrradiance, IsALampsLightThatAnotherSurfaceReflects) {
+  constexpr float reflected = 0.6f, irradiance = 5.0f;
+  scene_ = wall_and_plate(matt(0), matt(reflected));
+  sideray_light sun = sideray_light_defaults();
+  sun.direction[0] = -1, sun.direction[1] = sun.direction[2] = 0;
+  for (float& c : sun.intensity) c = irradiance;
+  scene_.set_lights({&sun, 1});
+  scene_.commit();
+  serve(tracer_ = Tracer::create(scene_).value());
+  program_ = make_program("result = vec4(0.5 * sideray_irradiance(), 1.0);");
+  expect_light_of_plate(glm::dvec3(double{reflected} * double{irradiance} / M_PI));
 }
 
 // The wall has no other light, so that the renderer's picture is the irradiance that the shader reads.

@@ -123,6 +123,48 @@ TEST(LightAround, OfHalfASkyIsHalf) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], 0.5f * all[c], 0.02f * all[c]);
 }
 
+// Returns the share of the light that the quarter of a parallel rectangle hides whose corner is straight above.
+double hidden_by_quarter(double across, double along) {
+  const double a = std::sqrt(1.0 + across * across), b = std::sqrt(1.0 + along * along);
+  return (across / a * std::atan(along / a) + along / b * std::atan(across / b)) / (2.0 * M_PI);
+}
+
+// A black square low above a floor: the bright floor around does not brighten what lies below the square.
+TEST(LightAround, BelowAnObjectIsDark) {
+  constexpr double half = 1.0, height = 0.4;
+  TestScene scene;
+  sideray_material_desc black = matt(0.0f);
+  black.specular = 0.0f;
+  sideray_material_desc floor = matt(0.5f);
+  floor.specular = 0.0f;
+  scene.quad({0, -2, 0}, {50, 0, 0}, {0, 0, 50}, floor);
+  scene.quad({0, height - 2, 0}, {half, 0, 0}, {0, 0, half}, black);
+  scene.environment(glm::vec3(1.0f));
+  Hits hits(scene);
+  const glm::vec3 eye(0.0f, -1.7f, 0.0f);
+  std::vector<Ray> rays;
+  std::vector<double> expected;  // 0 outside the middle of the square
+  constexpr int side = 48;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      const double u = ((x + 0.5) / side * 2 - 1) * 3 * half, v = ((y + 0.5) / side * 2 - 1) * 3 * half;
+      rays.push_back({eye, 0.0f, glm::normalize(glm::vec3(glm::dvec3(u, -2, v)) - eye), 1e30f});
+      double hidden = 0;
+      for (const double s : {-1.0, 1.0})
+        for (const double t : {-1.0, 1.0}) hidden += hidden_by_quarter((half + s * u) / height, (half + t * v) / height);
+      expected.push_back(std::max(std::abs(u), std::abs(v)) < 0.75 * half ? 0.5 * (1.0 - hidden) : 0.0);
+    }
+  double found = 0, wanted = 0, open = 0;
+  constexpr uint32_t positions = 16;
+  for (uint32_t k = 0; k < positions; ++k) {
+    const std::vector<glm::vec3> seen = hits.shade(rays, true, k);
+    ASSERT_EQ(seen.size(), expected.size());
+    for (size_t i = 0; i < seen.size(); ++i)
+      if (expected[i] > 0) found += double{seen[i].x}, wanted += expected[i], open += 0.5;
+  }
+  EXPECT_NEAR(found, wanted, 0.1 * open);
+}
+
 // Points in two rooms with different light do not share paths through the thin wall between them.
 TEST(LightAround, EndsAtAWall) {
   TestScene scene;
@@ -206,11 +248,12 @@ TEST(LightAround, OfWhatWeighsLittleCostsLittle) {
   constexpr int places = 128;
   for (int i = 0; i < places; ++i) {
     const glm::vec3 eye(0.0f, 0.0f, 0.05f * static_cast<float>(i));
+    const auto position = static_cast<uint32_t>(i);
     hits.weight = 1.0f;
-    heavy += mean(hits.shade(eye, {0, -1, 0}, true)) / static_cast<float>(places);
+    heavy += mean(hits.shade(eye, {0, -1, 0}, true, position)) / static_cast<float>(places);
     rays_heavy += hits.rays_bounce;
     hits.weight = 0.04f;
-    light += mean(hits.shade(eye, {0, -1, 0}, true)) / static_cast<float>(places);
+    light += mean(hits.shade(eye, {0, -1, 0}, true, position)) / static_cast<float>(places);
     rays_light += hits.rays_bounce;
   }
   EXPECT_LT(rays_light, rays_heavy / 8);

@@ -102,6 +102,25 @@ TEST(StraightLight, FrostedSolidsScatterTheLampInside) {
   expect_light(lit.through(upward(0, 1.0f, 0.5f)), glm::dvec3(1.0), "both inside");
 }
 
+// All light of a lamp in a closed shell leaves but for what the walls absorb.
+TEST(StraightLight, FrostedShellsScatterTheLampInside) {
+  sideray_material_desc frosted = glass();
+  frosted.roughness = frosted.thickness = 0.0f;
+  frosted.transmission = 0.4f;
+  frosted.base_color[1] = 0.5f;
+  for (const bool two_sided : {true, false}) {
+    frosted.double_sided = two_sided ? 1 : 0;
+    TestScene scene;
+    add_slab(scene, 2.0, frosted);
+    Lit lit(scene);
+    const glm::dvec3 base(1.0, 0.5, 1.0), passed = 0.96 * 0.4 * base, kept_inside = 0.96 * 0.6 * base;
+    const glm::dvec3 out = passed / (1.0 - kept_inside);
+    EXPECT_NEAR(out.x, 0.384 / (0.384 + 0.04), 1e-9) << "Fresnel's term is the only loss of white walls";
+    expect_light(lit.through(upward(0, 3.0f, 1.5f)), two_sided ? out : passed, "lamp inside");
+    expect_light(lit.through(upward(0, 3.0f, 9.0f)), passed * passed, "lamp behind");
+  }
+}
+
 // Another solid that the ray enters and leaves before a lamp takes nothing of the frosted solid's scattering.
 TEST(StraightLight, FrostedSolidsScatterAroundAnotherInside) {
   sideray_material_desc frosted = solid_glass(1.0f), marble = solid_glass(1.0f);

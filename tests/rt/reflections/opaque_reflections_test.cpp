@@ -294,6 +294,41 @@ TEST(OpaqueReflections, RoughOnesDoNotSeeWhatIsHidden) {
   EXPECT_LT(hidden, 0.1 * open);
 }
 
+// A floor without light hides the bright lower half of the surroundings from a ball, whose normals turn from pixel to
+// pixel. The tail of a lobe that looks up must not show it.
+TEST(OpaqueReflections, RoughOnesOnCurvesDoNotSeeWhatIsHidden) {
+  TestScene scene;
+  const glm::dvec3 centre(0, 0.4, -3);
+  constexpr double radius = 1.1;
+  scene.quad({0, -1, 0}, {500, 0, 0}, {0, 0, 500}, glowing(glm::vec3(0.0f)));
+  partly_bright(scene, [](glm::vec3 d) { return d.y < -0.3f; });
+  constexpr float roughness = 0.3f;
+  FloorFrame frame(roughness);
+  std::vector<bool> looks_low(frame.normals.size());  // up, but not far from the horizon
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < width; ++x) {
+      const Ray ray = frame.rays.ray(x, y);
+      const glm::dvec3 from = glm::dvec3(ray.origin) - centre, d(ray.direction);
+      const double b = glm::dot(from, d), inside = b * b - glm::dot(from, from) + radius * radius;
+      const glm::dvec3 normal = (from + d * (-b - std::sqrt(std::max(inside, 0.0)))) / radius;
+      const glm::dvec4 clip = frame.view.clip_from_local * glm::dvec4(centre + normal * radius, 1.0);
+      frame.depth.set(x, y, inside > 0 ? static_cast<float>(clip.z / clip.w) : 0.0f, 0);
+      frame.normals[size_t{y} * width + x] = inside > 0 ? glm::vec4(normal, roughness) : glm::vec4(0);
+      const double rise = d.y - 2 * glm::dot(d, normal) * normal.y;
+      looks_low[size_t{y} * width + x] = inside > 0.1 && rise > 0 && rise < 0.2;
+    }
+  ReflectionRequest request = frame.request();
+  request.max_roughness = 0.5f;
+  request.denoise = true;
+  const ReflectionImage image = traced(scene.commit(), request);
+  double sum = 0;
+  size_t count = 0;
+  for (size_t t = 0; t < frame.normals.size(); ++t)
+    if (looks_low[t]) sum += double{rgb(image.radiance, t).x}, ++count;
+  EXPECT_GT(count, 50u);
+  EXPECT_LT(sum, 0.05 * 4.0 * static_cast<double>(count));
+}
+
 // A budget may take more frames for all tiles than a reflection lasts in motion. A view at rest must be complete then.
 TEST(OpaqueReflections, ExpireUnderABudgetWhileTheEyeMovesAlone) {
   const auto snapshot = room(false);
