@@ -47,13 +47,12 @@ bool alpha_discards(const model::Snapshot& snapshot, const TraceInstance& instan
   const std::vector<glm::vec2>& uv = slot.uv_set == 0 ? mesh.uv0 : mesh.uv1;
   const glm::vec2 at = w * uv[t.x] + hit.u * uv[t.y] + hit.v * uv[t.z];
   const float level = base_color_level(texture, instance, uv, ray, hit, cone);
-  if (level > 0.0f) return alpha * sample(texture, slot, at, level).w < limit;
-  if (instance.alpha) {
+  if (instance.alpha && level == 0.0f) {
     const AlphaRange range = alpha_range(*instance.alpha, slot, at);
     if (alpha * range.least >= limit) return false;
     if (alpha * range.most < limit) return true;
   }
-  return alpha * sample_alpha(texture, slot, at) < limit;
+  return alpha * sample_alpha(texture, slot, at, level) < limit;
 }
 
 }  // namespace sideray::rt

@@ -112,7 +112,7 @@ void DiffusePaths::share_emission(uint32_t bounce) {
   for (size_t i = 0; i < paths_.size(); ++i) {
     const Path& path = paths_[i];
     const SurfacePoint& p = points_[i];
-    if (scene_->emitters->samples(p.hit)) {
+    if (scene_->emitters->get().samples(p.hit)) {
       const float share = emitted_.share_of_hit(path.from, bounce == 0 ? emitters_at_start : emitters_later, p.hit, rays_[i].direction);
       light_of_points_[i] -= (1.0f - share) * shading::sr_emitted(p.surface);
     }

@@ -20,7 +20,6 @@ float cosine_density(const LitPoint& point, glm::vec3 direction) {
 void EmittedLight::begin(const ShadingScene& scene, const Intersector& intersector) {
   scene_ = &scene;
   intersector_ = &intersector;
-  emitters_ = scene.emitters && !scene.emitters->empty() ? scene.emitters.get() : nullptr;
   straight_.begin(scene, intersector);
   sampled_.clear();
   rays = 0;
@@ -31,7 +30,7 @@ void EmittedLight::add(const LitPoint& point, float probability, glm::vec3 gain,
   if (lot_ < 1.0f) return;
   lot_ -= 1.0f;
   const uint32_t u = random_key({key, choice_purpose}), v = hash_bits(u), w = hash_bits(v);
-  const EmitterSampler::Sample s = emitters_->sample(point, unit_float(u), {unit_float(v), unit_float(w)});
+  const EmitterSampler::Sample s = scene_->emitters->get().sample(point, unit_float(u), {unit_float(v), unit_float(w)});
   const float by_cosine = cosine_density(point, s.ray.direction);
   if (!(s.density > 0.0f && by_cosine > 0.0f)) return;
   // Random rays pass translucent surfaces, so samples alone find their emission.
@@ -80,7 +79,7 @@ void EmittedLight::drop_blocked() {
 }
 
 float EmittedLight::share_of_hit(const LitPoint& point, float probability, const Hit& hit, glm::vec3 direction) const {
-  const float sampled = emitters_->density(point, hit, direction), by_cosine = cosine_density(point, direction);
+  const float sampled = scene_->emitters->get().density(point, hit, direction), by_cosine = cosine_density(point, direction);
   return sampled > 0.0f ? by_cosine * balance(1.0f, by_cosine, probability, sampled) : 1.0f;
 }
 

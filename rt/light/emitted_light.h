@@ -20,7 +20,7 @@ class EmittedLight {
   // The caller keeps both objects alive.
   void begin(const ShadingScene& scene, const Intersector& intersector);
   // Returns whether the scene has emitters; the other functions require them.
-  bool is_sampled() const { return emitters_ != nullptr; }
+  bool is_sampled() const { return scene_->emitters && !scene_->emitters->get().empty(); }
 
   struct Answer {
     uint32_t number;
@@ -52,7 +52,6 @@ class EmittedLight {
 
   const ShadingScene* scene_ = nullptr;
   const Intersector* intersector_ = nullptr;
-  const EmitterSampler* emitters_ = nullptr;
   StraightLight straight_;
   float lot_ = 0.0f;  // the point with which it reaches 1 is sampled
   std::vector<Sampled> sampled_;

@@ -3,9 +3,12 @@
 // Adaptive Tree Splitting"). Immutable once made; any thread may use it.
 #pragma once
 
+#include <atomic>
 #include <glm/glm.hpp>
 #include <memory>
+#include <mutex>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "model/snapshot.h"
@@ -93,6 +96,29 @@ class EmitterSampler {
   std::vector<Node> nodes_;          // the first is the root
   std::vector<uint32_t> first_;      // by instance: its first entry in of_primitive_, or none
   std::vector<uint32_t> of_primitive_;  // index in triangles_, or none
+};
+
+// Makes a snapshot's sampler when it is first used, because few ways of drawing sample emitters, and those of a moving
+// scene change in each frame. Any thread may use it.
+class EmittersWhenUsed {
+ public:
+  explicit EmittersWhenUsed(std::shared_ptr<const model::Snapshot> snapshot) : snapshot_(std::move(snapshot)) {}
+
+  const EmitterSampler& get() const {
+    std::call_once(once_, [this] {
+      sampler_ = EmitterSampler(*std::exchange(snapshot_, nullptr));
+      made_ = true;
+    });
+    return sampler_;
+  }
+  // Returns whether the sampler was made and is right for the snapshot, too.
+  bool serves(const model::Snapshot& snapshot) const { return made_ && sampler_.is_alike(snapshot); }
+
+ private:
+  mutable std::once_flag once_;
+  mutable std::atomic<bool> made_{false};
+  mutable std::shared_ptr<const model::Snapshot> snapshot_;  // null once the sampler is made
+  mutable EmitterSampler sampler_;
 };
 
 }  // namespace sideray::rt

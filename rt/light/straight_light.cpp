@@ -229,8 +229,18 @@ void StraightLight::take(const Ray& ray, std::span<const Hit> hits) {
     // A perturbed normal may point beyond the horizon; the cosine is then 0.
     const float cosine = std::clamp(glm::dot(hit.front ? -normal : normal, ray.direction), 0.0f, 1.0f);
     const float skin = skin_offsets * rounding * largest_coordinate(instance.bounds) / std::max(cosine, least_cosine);
-    met_.push_back({hit, solid, instance.shell, cosine, skin, plain.at(cosine), plain.inner, plain.edge, plain.cover,
-                    plain.scattered});
+    // Assigned in place, since copying what was just written in smaller parts stalls the processor.
+    StraightSurface& s = met_.emplace_back();
+    s.hit = hit;
+    s.solid = solid;
+    s.shell = instance.shell;
+    s.cosine = cosine;
+    s.skin = skin;
+    s.through = plain.at(cosine);
+    s.inner = plain.inner;
+    s.edge = plain.edge;
+    s.cover = plain.cover;
+    s.scattered = plain.scattered;
   }
 }
 

@@ -53,7 +53,7 @@ void TracedScene::set_glass_shadows(bool on) {
 
 void TracedScene::light(const std::shared_ptr<const model::Snapshot>& snapshot) {
   auto scene = glass_shadows_ ? lit_scene(snapshot) : std::make_unique<ShadingScene>(snapshot);
-  if (!emitters_ || !emitters_->is_alike(*snapshot)) emitters_ = std::make_shared<const EmitterSampler>(*snapshot);
+  if (!emitters_ || !emitters_->serves(*snapshot)) emitters_ = std::make_shared<const EmittersWhenUsed>(snapshot);
   scene->emitters = emitters_;
   scene_ = std::move(scene);
 }

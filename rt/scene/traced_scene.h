@@ -61,7 +61,7 @@ class TracedScene {
   std::unique_ptr<const ShadingScene> scene_;     // of posed_, or of posed_ with quads
   TraceView quads_view_{};                        // the view that the quads face
   uint32_t quads_height_ = 0;                     // 0 = no quads
-  std::shared_ptr<const EmitterSampler> emitters_;
+  std::shared_ptr<const EmittersWhenUsed> emitters_;
   std::unique_ptr<const EnvironmentSampler> environment_;
   std::unique_ptr<const SkyDirections> sky_;
   double update_ms_ = 0.0;

@@ -17,7 +17,7 @@
 namespace sideray::rt {
 
 struct RefractionScene;
-class EmitterSampler;
+class EmittersWhenUsed;
 
 // Holds a snapshot with its materials and lights in the shading model's structs.
 struct ShadingScene {
@@ -34,7 +34,7 @@ struct ShadingScene {
   // The media that light passes; null if nothing translucent casts a shadow (model::tints_light()).
   std::shared_ptr<const RefractionScene> glass;
   // Samples the emissive surfaces by which surfaces light each other; null: only random rays find those.
-  std::shared_ptr<const EmitterSampler> emitters;
+  std::shared_ptr<const EmittersWhenUsed> emitters;
 };
 
 // Returns the factors of dst = radiance * cover + dst * through.

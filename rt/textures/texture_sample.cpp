@@ -104,30 +104,32 @@ glm::vec2 coordinates(const sideray_texture_slot& slot, glm::vec2 uv) {
   return {reduce(m[0] * uv.x + m[2] * uv.y + m[4], slot.wrap_u), reduce(m[1] * uv.x + m[3] * uv.y + m[5], slot.wrap_v)};
 }
 
-glm::vec4 to_vec4(Four v) {
-  return {v[0], v[1], v[2], v[3]};
+// Reads any mip level with `fetch`.
+template <typename Fetch>
+auto sample_any_level(const model::Texture& texture, const sideray_texture_slot& slot, glm::vec2 uv, float level,
+                      Fetch fetch) {
+  const glm::vec2 st = coordinates(slot, uv);
+  if (slot.filter != SIDERAY_TRILINEAR || !(level > 0.0f)) return sample_level(texture.levels[0], slot, st, fetch);
+  const auto last = static_cast<float>(texture.levels.size() - 1);
+  const float clamped = std::min(level, last);
+  const float floor_level = std::floor(clamped);
+  const auto index = static_cast<size_t>(floor_level);
+  const auto fine = sample_level(texture.levels[index], slot, st, fetch);
+  const float weight = clamped - floor_level;
+  if (weight == 0.0f) return fine;
+  return fine * (1.0f - weight) + sample_level(texture.levels[index + 1], slot, st, fetch) * weight;
 }
 
 }  // namespace
 
 glm::vec4 sample(const model::Texture& texture, const sideray_texture_slot& slot, glm::vec2 uv, float level) {
-  const glm::vec2 st = coordinates(slot, uv);
   const FetchColor fetch{texture.srgb ? decode.srgb.data() : decode.plain.data()};
-  if (slot.filter != SIDERAY_TRILINEAR || !(level > 0.0f))
-    return to_vec4(sample_level(texture.levels[0], slot, st, fetch));
-
-  const auto last = static_cast<float>(texture.levels.size() - 1);
-  const float clamped = std::min(level, last);
-  const float floor_level = std::floor(clamped);
-  const auto index = static_cast<size_t>(floor_level);
-  const Four fine = sample_level(texture.levels[index], slot, st, fetch);
-  const float weight = clamped - floor_level;
-  if (weight == 0.0f) return to_vec4(fine);
-  return to_vec4(fine * (1.0f - weight) + sample_level(texture.levels[index + 1], slot, st, fetch) * weight);
+  const Four v = sample_any_level(texture, slot, uv, level, fetch);
+  return {v[0], v[1], v[2], v[3]};
 }
 
-float sample_alpha(const model::Texture& texture, const sideray_texture_slot& slot, glm::vec2 uv) {
-  return sample_level(texture.levels[0], slot, coordinates(slot, uv), FetchAlpha{});
+float sample_alpha(const model::Texture& texture, const sideray_texture_slot& slot, glm::vec2 uv, float level) {
+  return sample_any_level(texture, slot, uv, level, FetchAlpha{});
 }
 
 const float* srgb_decode_table() {

@@ -13,13 +13,13 @@ namespace sideray::rt {
 // (log2 of texels per pixel) and matters only for SIDERAY_TRILINEAR. A non-finite coordinate reads as 0.
 glm::vec4 sample(const model::Texture& texture, const sideray_texture_slot& slot, glm::vec2 uv, float level);
 
-// Returns the alpha of sample(texture, slot, uv, 0), with the same bits, without computing the colour.
-float sample_alpha(const model::Texture& texture, const sideray_texture_slot& slot, glm::vec2 uv);
+// Returns the alpha of sample(), with the same bits, without computing the colour.
+float sample_alpha(const model::Texture& texture, const sideray_texture_slot& slot, glm::vec2 uv, float level);
 
 // Returns the linear values of the 256 sRGB codes.
 const float* srgb_decode_table();
 
-// Bounds sample_alpha() by the texture's alpha grid.
+// Bounds sample_alpha() at level 0 by the texture's alpha grid.
 struct AlphaRange {
   float least, most;
 };

@@ -61,7 +61,7 @@ double light_below(const sideray_material_desc& panel, double height, PathLight&
   scene.quad({0, height, 0}, {0.25, 0, 0}, {0, 0, 0.25}, panel);
   scene.environment(glm::vec3(0.0f));
   ShadingScene shading(scene.commit());
-  shading.emitters = std::make_shared<const EmitterSampler>(*shading.snapshot);
+  shading.emitters = std::make_shared<const EmittersWhenUsed>(shading.snapshot);
   Intersector intersector("");
   intersector.set_scene(shading.snapshot);
   constexpr uint32_t count = 16384;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <random>
 
 #include "rt/textures/texture_sample.h"
@@ -39,7 +40,7 @@ TEST(AlphaGrid, bounds_hold_every_look_up) {
             const bool at_end = i % 4 == 0;
             const glm::vec2 uv(at_end ? ends[random() % ends.size()] : anywhere(random),
                                i % 8 == 0 ? ends[random() % ends.size()] : anywhere(random));
-            const float alpha = sample_alpha(texture, slot, uv);
+            const float alpha = sample_alpha(texture, slot, uv, 0.0f);
             const AlphaRange range = alpha_range(grid, slot, uv);
             ASSERT_LE(range.least, alpha) << size.x << " at " << uv.x << ", " << uv.y << " wraps " << wrap_u << wrap_v;
             ASSERT_GE(range.most, alpha) << size.x << " at " << uv.x << ", " << uv.y << " wraps " << wrap_u << wrap_v;
@@ -47,6 +48,22 @@ TEST(AlphaGrid, bounds_hold_every_look_up) {
           }
   }
   EXPECT_GT(narrow * 8, all);  // they say something
+}
+
+// Alpha alone is what a look-up of all channels reads, at every mip level.
+TEST(AlphaGrid, alpha_has_the_bits_of_colour) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<float> anywhere(-2.5f, 2.5f), level(-1.0f, 4.0f);
+  model::Texture texture;
+  for (const uint32_t size : {16u, 8u, 4u}) texture.levels.push_back(leaf_like(size, size, random).levels[0]);
+  for (const sideray_wrap wrap : {SIDERAY_REPEAT, SIDERAY_CLAMP, SIDERAY_MIRROR})
+    for (const sideray_filter filter : {SIDERAY_NEAREST, SIDERAY_TRILINEAR})
+      for (int i = 0; i < 2000; ++i) {
+        const sideray_texture_slot slot{1, 0, wrap, wrap, filter, {1, 0, 0, 1, 0, 0}};
+        const glm::vec2 uv(anywhere(random), anywhere(random));
+        const float at = i % 3 == 0 ? std::floor(level(random)) : level(random);
+        ASSERT_EQ(sample_alpha(texture, slot, uv, at), sample(texture, slot, uv, at).w) << uv.x << ", " << uv.y << " level " << at;
+      }
 }
 
 }  // namespace
