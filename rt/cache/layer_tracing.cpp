@@ -32,7 +32,8 @@ FrameKey key_of(const CacheRequest& r) {
 StillFrames::Hashes hash_pictures(const CacheRequest& r, Executor& executor) {
   const bool reads_stencil = r.mask == SIDERAY_MASK_STENCIL || r.mask == SIDERAY_MASK_COUNT;
   const uint32_t bits = (reads_stencil ? r.stencil_bits : 0u) | r.others_bits;
-  return {hash_depth(executor, r.depth, r.width, r.height, bits), hash_rows(executor, std::as_bytes(r.mask_bytes), r.height)};
+  return {hash_depth(executor, r.depth, r.width, r.height, bits), hash_rows(executor, std::as_bytes(r.mask_bytes), r.height),
+          hash_rows(executor, std::as_bytes(r.lit.thrown), r.height), hash_rows(executor, std::as_bytes(r.lit.open), r.height)};
 }
 
 // The filter's passes reach 15 pixels, and the computation of its reach 2 more.
@@ -180,7 +181,8 @@ TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& sc
                                     .tell_rough = request.denoise != 0,
                                     .error = request.ray_reuse,
                                     .viewer = way_to_viewer(request.view),
-                                    .bounces = bounces_of(request)}});
+                                    .bounces = bounces_of(request)},
+                        .seen = seen_light_of(request)});
   TileReach* reach = request.wanted ? request.wanted->reach.get() : nullptr;
   if (reach) reach->fit(request.view, request.width, request.height, request.depth);
   const Traced traced{request, context, bends ? &bent.context : nullptr, cache, older};

@@ -33,7 +33,7 @@ struct FrameKey {
 
 class StillFrames {
  public:
-  using Hashes = std::array<PictureHash, 2>;
+  using Hashes = std::array<PictureHash, 4>;
   // Begins the next frame, and returns whether it equals the last one. `hash_pictures` is called only if everything
   // else is equal, so that a moving view hashes nothing; therefore the third equal frame is the first that is
   // recognized. Scenes with wind, sprites or a host's shader never count as equal. A frame that does not continue the

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "rt/base/pixels.h"
 #include "rt/base/sequence.h"
 #include "rt/base/view.h"
+#include "rt/light/seen_light.h"
 
 namespace sideray::rt {
 
@@ -40,6 +42,7 @@ struct LayerRequest : sideray_layer_inputs {
   std::span<const uint8_t> mask_bytes;  // one a pixel, for TEXTURE and MEMORY
   bool shadows = true;
   bool light_bounces = false;  // surfaces that are hit light each other, and occlude the sky for each other
+  PixelLight lit{};            // with light_bounces: at the pixels of `depth`; empty: unknown
   uint32_t seed = 1;
   uint32_t position = 0;  // of the sample positions that are averaged: it alone changes the paths of bounced light
   const std::atomic<bool>* cancelled = nullptr;  // polled between chunks
@@ -49,6 +52,12 @@ struct LayerRequest : sideray_layer_inputs {
   // For a composite: resolves surfaces that bend light and filters rough reflections, as a cache does.
   bool resolves = false;
 };
+
+// Returns the light that the request knows.
+inline std::optional<SeenLight> seen_light_of(const LayerRequest& r) {
+  if (!r.light_bounces || r.lit.thrown.empty()) return std::nullopt;
+  return SeenLight(r.view, r.width, r.height, r.depth, r.lit);
+}
 
 // Requests a layer cache.
 struct CacheRequest : LayerRequest {

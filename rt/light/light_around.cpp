@@ -95,12 +95,14 @@ glm::vec3 share_of(glm::vec3 part, glm::vec3 whole) {
 
 }  // namespace
 
-void LightAround::begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, uint32_t position) {
+void LightAround::begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, uint32_t position,
+                        const SeenLight* seen) {
   const model::Environment& environment = *scene.snapshot->environment;
   environment_ = environment.black ? nullptr : &environment;
   lanes_ = {environment, shade_kernels(intersector.isa().c_str())};
   position_ = position;
   scene_ = &scene;
+  seen_ = seen;
   intersector_ = &intersector;
   veiled_ = environment_ && veils_sky(*scene.snapshot);
   rays_to_veils_ = 0;
@@ -112,6 +114,10 @@ void LightAround::gather(const SurfaceBatch& batch, bool matt) {
   for (uint32_t i = 0; i < batch.size(); ++i) {
     if (matt && !batch.is_matt(i)) continue;
     const PointAround around = batch.point_around(i);
+    if (const std::optional<ArrivingLight> light = seen_ ? seen_->at(around) : std::nullopt) {
+      arriving_[i] = *light;
+      continue;
+    }
     own_cells_.push_back({cell_of(around, level_of(around)), 0, static_cast<uint32_t>(points_.size())});
     points_.push_back({.around = around, .number = i});
   }

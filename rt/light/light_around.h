@@ -1,6 +1,6 @@
 // Finds the indirect light that arrives at a batch of points: the light of other surfaces, and the open share of the
-// sky. Few of the points send a path each (rt/light/diffuse_paths.h); all take the mean of what the paths of points
-// near them found. A path counts within a reach that is proportional to the harmonic mean of the distances to the
+// sky. Points that the picture shows take the light of its pixels. Few of the others send a path each (rt/light/diffuse_paths.h); all of these take the mean of what
+// the paths of points near them found. A path counts within a reach that is proportional to the harmonic mean of the distances to the
 // surfaces that reflect the light (Ward et al. 1988, "A Ray Tracing Solution for Diffuse Interreflection"). Points that
 // weigh little in their pixels send fewer. Holds scratch memory: one object per thread.
 #pragma once
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "rt/light/diffuse_paths.h"
+#include "rt/light/seen_light.h"
 #include "rt/light/veils.h"
 #include "rt/surfaces/environment_lanes.h"
 #include "rt/surfaces/surface_batch.h"
@@ -19,8 +20,10 @@ namespace sideray::rt {
 
 class LightAround {
  public:
-  // The caller keeps both objects alive. `position`: LayerRequest::position.
-  void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, uint32_t position);
+  // The caller keeps the objects alive. `position`: LayerRequest::position. `seen`: the light where the picture shows
+  // the surface, so that no path is needed; null: unknown.
+  void begin(const ShadingScene& scene, const Intersector& intersector, bool shadows, uint32_t position,
+             const SeenLight* seen);
   // Finds the light at the batch's points; `matt`: only at those with a diffuse part. The same batch gets the same
   // bits.
   std::span<const ArrivingLight> find(const SurfaceBatch& batch, bool matt);
@@ -65,6 +68,7 @@ class LightAround {
   ArrivingLight mean_about(const Record& record) const;
 
   const ShadingScene* scene_ = nullptr;
+  const SeenLight* seen_ = nullptr;
   const Intersector* intersector_ = nullptr;
   const model::Environment* environment_ = nullptr;  // null: black
   EnvironmentLanes lanes_;

@@ -28,6 +28,7 @@ struct HitShading {
   glm::vec3 viewer = {0, 0, 1};  // as in SurfaceBatch::begin()
   // If set, surfaces light each other, and occlude the sky for each other. The value is LayerRequest::position.
   std::optional<uint32_t> bounces = std::nullopt;
+  const SeenLight* seen = nullptr;  // with `bounces`: as in LightAround::begin()
 };
 
 class HitShader final : public PointShader, public SecondaryHitShader, public RaySharing {

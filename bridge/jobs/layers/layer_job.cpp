@@ -34,6 +34,7 @@ void fill(rt::LayerRequest& request, const JobFrame& frame, const TraceInput& in
   request.mask_bytes = input.mask_bytes;
   request.shadows = in.shadows;
   request.light_bounces = in.irradiance.has_value();
+  request.lit = input.lit;
   request.seed = in.seed;
   request.position = in.inspection.position;
   request.cancelled = &input.cancelled;
