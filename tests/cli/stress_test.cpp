@@ -32,17 +32,25 @@ bool matches(const json& row, const Failed& failed) {
          row["measure"].get<std::string>().find(failed.measure) != std::string::npos;
 }
 
-// Runs all cases but two: that of a budget takes seconds, and that of fragments needs OpenGL.
+// Runs the cases that do not take seconds, as those of budgets and of light that bounces do. That of fragments needs OpenGL.
 TEST_F(StressByRays, KeepsTheBoundsOfDefaults) {
   const Outcome outcome = run("stress layer-gap coplanar layer-count instance-scale world-offset match-gap wind-gap contact self-shadow "
-                              "leaves settling depth-format ray-layers broken-triangles late-glass bounce --quick --gl none -o d");
+                              "leaves settling depth-format ray-layers broken-triangles late-glass --quick --gl none -o d");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors << outcome.output;
   EXPECT_EQ(outcome.errors, "sideray: warning: stress: without OpenGL no fragment looks for layers: match-gap left out\n");
   std::set<std::string> names;
   const json r = results("d");
   for (const json& row : r["cases"]) names.insert(row["name"]);
-  EXPECT_EQ(names.size(), 15u);
+  EXPECT_EQ(names.size(), 14u);
   EXPECT_FALSE(names.contains("match-gap"));
+}
+
+using SlowStressByRays = StressByRays;
+
+TEST_F(SlowStressByRays, KeepsTheBoundsOfLightThatBounces) {
+  const Outcome outcome = run("stress bounce --quick --gl none -o d");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.errors << outcome.output;
+  EXPECT_FALSE(results("d")["cases"].empty());
 }
 
 TEST_F(Stress, QuickSweepsShowWhatIsKnownToFail) {

@@ -29,6 +29,8 @@ SCREEN = (1000, 600)
 PANEL = 380
 # Middles of the panel's rows, in pixels below its top.
 ROWS = {"shows": 169, "camera": 194, "variant": 219, "quality": 224, "translucency": 249, "layers": 274}
+# Until its picture is at rest a window is drawn anew all the time, with its panel: what is high costs most.
+SMALL, SMALL_PICTURE = "80x60", (0, 30, 80, 60)
 # What makes large pictures come to rest soon.
 QUICK = ("--shadows", "off", "--ambient", "off", "--reflections", "off")
 CHART_ABOVE_END = 78  # the button that makes a chart, above the end of the panel
@@ -144,9 +146,9 @@ class Viewer(unittest.TestCase):
 
     def turn(self):
         """Drags the view to another side of things."""
-        still = self.display.screen((0, 30, 160, 90))
-        self.drag((60, 60), (80, 60), (95, 66))
-        self.wait_until(lambda: self.display.screen((0, 30, 160, 90)) != still, "a drag did not turn the view")
+        still = self.display.screen(SMALL_PICTURE)
+        self.drag((20, 40), (50, 40), (70, 46))
+        self.wait_until(lambda: self.display.screen(SMALL_PICTURE) != still, "a drag did not turn the view")
         time.sleep(1)
         self.wait_for("64/64")
 
@@ -192,11 +194,11 @@ class Viewer(unittest.TestCase):
         return self.display.screen(box)
 
     def test_what_stands_still_is_the_picture_of_64_samples_and_then_costs_nothing(self):
-        self.open("panes")
-        self.display.use("mousemove", 80, 45)
+        self.open("panes", SMALL)
+        self.display.use("mousemove", 40, 45)
         self.wait_for("64/64")
         saved = self.save()
-        subprocess.run([PROGRAM, "render", "panes", "--gl", "none", "--size", "160x90", "--samples", "64", "-o",
+        subprocess.run([PROGRAM, "render", "panes", "--gl", "none", "--size", SMALL, "--samples", "64", "-o",
                         self.folder / "render.png.tmp.png"], check=True)
         self.assertEqual(png_rows(saved), png_rows(self.folder / "render.png.tmp.png"))
         time.sleep(1)
@@ -206,7 +208,7 @@ class Viewer(unittest.TestCase):
         self.assertLess(self.close(), 3)
 
     def test_the_copied_command_line_draws_the_same_picture(self):
-        self.open("panes", "160x90", "--quality", "draft", "--ambient", "ao")
+        self.open("panes", SMALL, "--quality", "draft", "--ambient", "ao")
         self.wait_for("64/64")
         self.turn()
         saved = self.save()
@@ -218,7 +220,7 @@ class Viewer(unittest.TestCase):
         self.close()
 
     def test_keys_fly_and_the_list_has_cameras(self):
-        self.open("panes", "120x260", *QUICK)
+        self.open("empty", "120x260", *QUICK)
         picture = (10, 40, 110, 250)
         views = [self.at_rest(picture)]
         for key in ("w", "d", "e"):
@@ -264,7 +266,7 @@ class Viewer(unittest.TestCase):
 
     def test_a_chart_of_the_view_is_made_until_the_window_is_closed(self):
         self.open("panes", "160x580", "--ambient", "ao")
-        self.wait_for("64/64")
+        self.wait_for("picture")
         self.press_chart_button()
         self.wait_until(self.charting, "no chart is made")
         words = self.charting()
@@ -291,18 +293,18 @@ class Viewer(unittest.TestCase):
         self.assertEqual((self.folder / "opened.txt").read_text(), "panes-001-chart/index.html\n")
 
     def test_mouse_and_keys_move_the_camera_and_compare(self):
-        self.open("panes", "160x90", *QUICK)
+        self.open("panes", SMALL, *QUICK)
         self.wait_for("64/64")
-        still = self.display.screen((0, 30, 160, 90))
-        self.drag((60, 60), (90, 60), (110, 60))
-        self.wait_until(lambda: self.display.screen((0, 30, 160, 90)) != still, "a drag did not turn the view")
+        still = self.display.screen(SMALL_PICTURE)
+        self.drag((20, 45), (50, 45), (70, 45))
+        self.wait_until(lambda: self.display.screen(SMALL_PICTURE) != still, "a drag did not turn the view")
         self.display.use("key", "c")
         self.wait_for("reference ")
         self.wait_for("64/64")
         self.display.use("key", "Tab")
         self.wait_for("reference ")
         self.display.use("key", "m")
-        self.wait_until(lambda: len({self.color(x, y) for x in range(5, 155, 30) for y in range(35, 90, 10)}) > 5,
+        self.wait_until(lambda: len({self.color(x, y) for x in range(5, 80, 15) for y in range(32, 60, 5)}) > 5,
                         "the map of differences did not come", 60)
         self.close()
 
@@ -355,16 +357,16 @@ class Viewer(unittest.TestCase):
         scene_files.hdr(self.folder / "red.hdr", 200, 20, 20)
         scene_files.hdr(self.folder / "green.hdr", 20, 200, 20)
         (self.folder / "broken.glb").write_bytes(b"no scene")
-        self.open("panes", "120x300")
+        self.open("panes", "120x100", *QUICK)
         self.wait_for("64/64")
         window = self.client.window("Sideray")
         self.assertTrue(self.client.drop(window, [self.folder / "a square.gltf", self.folder / "red.hdr"]))
         self.wait_for("a square.gltf")
         self.wait_for("64/64")
-        red, green, _ = self.color(20, 150)
+        red, green, _ = self.color(20, 80)
         self.assertGreater(red, 2 * green, "the surroundings are not those that were dropped with the scene")
         self.assertTrue(self.client.drop(window, [self.folder / "green.hdr"]))
-        self.wait_until(lambda: self.color(20, 150)[1] > 2 * self.color(20, 150)[0], "the second surroundings did not come")
+        self.wait_until(lambda: self.color(20, 80)[1] > 2 * self.color(20, 80)[0], "the second surroundings did not come")
         self.wait_for("a square.gltf")
         self.wait_for("64/64")
         panel = self.display.screen((130, 30, 470, 80))
@@ -390,16 +392,16 @@ class Viewer(unittest.TestCase):
 
     def test_variants_of_materials_are_chosen_in_the_panel(self):
         scene_files.gltf(self.folder / "square.gltf")
-        self.open("square.gltf", "300x500", *QUICK)
+        self.open("square.gltf", "160x300", *QUICK)
         self.wait_for("64/64")
-        self.assertLess(max(self.color(150, 250)) - min(self.color(150, 250)), 40, "the file's own material is grey")
+        self.assertLess(max(self.color(80, 150)) - min(self.color(80, 150)), 40, "the file's own material is grey")
         for item, channel in ((1, 0), (2, 2)):
-            self.choose("variant", item, 300)
-            self.wait_until(lambda: self.color(150, 250)[channel] > 2 * self.color(150, 250)[2 - channel],
+            self.choose("variant", item, 160)
+            self.wait_until(lambda: self.color(80, 150)[channel] > 2 * self.color(80, 150)[2 - channel],
                             f"variant {item} is not shown")
             self.wait_for("64/64")
         saved = self.save()
-        subprocess.run([PROGRAM, "render", "square.gltf", "--variant", "blue", "--gl", "none", "--size", "300x500", "--samples", "64",
+        subprocess.run([PROGRAM, "render", "square.gltf", "--variant", "blue", "--gl", "none", "--size", "160x300", "--samples", "64",
                         *QUICK, "-o", "render.png"], cwd=self.folder, check=True)
         self.assertEqual(png_rows(saved), png_rows(self.folder / "render.png"))
         self.close()
@@ -418,7 +420,7 @@ class Viewer(unittest.TestCase):
         return pixels, any(red > 220 and 165 < green < 195 and 90 < blue < 110 for red, green, blue in colors)
 
     def test_the_mouse_on_an_option_shows_its_help_and_why_it_is_grey(self):
-        self.open("panes", "400x450", "--translucency", "raster", *QUICK)
+        self.open("panes?count=1", "400x360", "--translucency", "raster", *QUICK)
         self.wait_for("64/64")
         helps = {row: self.help_of(row, 400) for row in ("quality", "translucency", "layers")}
         self.assertEqual(len({pixels for pixels, _ in helps.values()}), 3, "options have the same help")
@@ -478,7 +480,7 @@ class Viewer(unittest.TestCase):
         self.close()
 
     def test_a_display_that_goes_away_leaves_a_command_that_goes_on(self):
-        self.open("panes", "160x90", *QUICK)
+        self.open("panes", SMALL, *QUICK)
         self.wait_for("64/64")
         lost = self.display
 
@@ -493,28 +495,28 @@ class Viewer(unittest.TestCase):
     @needs_lost_context
     def test_a_lost_context_leaves_a_command_that_goes_on(self):
         lost = self.folder / "lost"
-        self.open("panes", "160x90", *QUICK, LD_PRELOAD=str(LOST_CONTEXT), SIDERAY_LOSE_WINDOW=str(lost))
+        self.open("panes", SMALL, *QUICK, LD_PRELOAD=str(LOST_CONTEXT), SIDERAY_LOSE_WINDOW=str(lost))
         self.wait_for("64/64")
-        self.go_on(*self.lose(lambda: (lost.touch(), self.client.move(90, 70)), "its OpenGL context was reset"))
+        self.go_on(*self.lose(lambda: (lost.touch(), self.client.move(50, 45)), "its OpenGL context was reset"))
 
     @needs_lost_context
     def test_a_lost_window_ends_although_a_picture_does_not(self):
         lost, hang = self.folder / "lost", self.folder / "hang"
-        self.open("panes", "160x90", "--gl", "egl", *QUICK, LD_PRELOAD=str(LOST_CONTEXT), SIDERAY_LOSE_WINDOW=str(lost),
+        self.open("panes", SMALL, "--gl", "egl", *QUICK, LD_PRELOAD=str(LOST_CONTEXT), SIDERAY_LOSE_WINDOW=str(lost),
                   SIDERAY_HANG_RENDERER=str(hang))
         self.wait_for("64/64")
         hang.touch()
         self.client.press("f")
         self.wait_for(" 0/64")
         lost.touch()
-        self.client.move(90, 70)
+        self.client.move(50, 45)
         self.assertEqual(self.window.wait(5), 1)
         self.assertIn("its OpenGL context was reset", self.window.stderr.read())
 
     @needs_lost_context
     def test_a_renderer_whose_context_is_lost_is_made_anew(self):
         lost = self.folder / "lost"
-        self.open("panes", "160x90", "--gl", "egl", *QUICK, LD_PRELOAD=str(LOST_CONTEXT), SIDERAY_LOSE_RENDERER=str(lost))
+        self.open("panes", SMALL, "--gl", "egl", *QUICK, LD_PRELOAD=str(LOST_CONTEXT), SIDERAY_LOSE_RENDERER=str(lost))
         self.wait_for("64/64")
         self.frame_all()
         saved = self.save()

@@ -85,7 +85,7 @@ TEST(StillTiles, SeeALampWhereItLights) {
 
 // Bounced light brings it to all tiles.
 TEST(StillTiles, SeeALampInTheLightThatBounces) {
-  View view(make_yard(), width, height);
+  View view(make_yard(), width / 2, height / 2);
   view.options.picture.ambient = SIDERAY_AMBIENT_BOUNCE;
   view.pose(5.0);
   const uint32_t seed = [&] {
