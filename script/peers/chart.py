@@ -25,6 +25,13 @@ def label(program):
     return {"raster look": "raster", "MuJoCo classic": "MuJoCo", "MuJoCo Filament": "Filament", "best, 4 samples": "4 samples"}.get(name, name)
 
 
+def whole_label(program):
+    name = program["program"].replace(",", "")
+    if program["family"] == "Sideray":
+        return {"balanced": "Sideray", "raster look": "Sideray without rays"}.get(name, "Sideray " + name.replace("balanced ", ""))
+    return "MuJoCo" if name == "MuJoCo classic" else name.replace("MuJoCo Filament", "Filament")
+
+
 def front(points):
     """Returns the points that no other point beats in both time and error."""
     kept, best = [], math.inf
@@ -52,9 +59,12 @@ def text(x, y, words, size=11, color="#222222", anchor="start", weight="normal")
 
 
 class Panel:
-    def __init__(self, points, x, y, width=WIDTH, height=HEIGHT):
-        self.points, self.x, self.y, self.width, self.height = points, x, y, width, height
-        self.low = 10 ** math.floor(math.log10(min(p["ms"] for p in points) * 0.9))
+    """A chart of points. `relative`: their times and errors are multiples of another program's, and they have whole names."""
+
+    def __init__(self, points, x, y, width=WIDTH, height=HEIGHT, relative=False):
+        self.points, self.x, self.y, self.width, self.height, self.relative = points, x, y, width, height, relative
+        fastest = min(p["ms"] for p in points)
+        self.low = fastest * 0.7 if relative else 10 ** math.floor(math.log10(fastest * 0.9))
         self.high = max(p["ms"] for p in points) * 1.6
         self.least, self.most = min(p["flip"] for p in points) * 0.85, max(p["flip"] for p in points) * 1.15
         self.taken = []
@@ -68,17 +78,18 @@ class Panel:
         x0, x1 = self.x + LEFT, self.x + self.width - RIGHT
         y0, y1 = self.y + self.height - BOTTOM, self.y + TOP
         parts = [text(x0, self.y + 18, title, 14, "#111111", weight="bold")]
-        for flip in (0.01, 0.02, 0.03, 0.05, 0.1, 0.2, 0.3, 0.5):
+        for flip in (0.01, 0.02, 0.03, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1, 2, 3, 5):
             if self.least <= flip <= self.most:
                 y = self.at({"ms": self.low, "flip": flip})[1]
                 parts.append(f'<path d="M{x0} {y:.1f}H{x1}" stroke="#e4e4e4"/>')
-                parts.append(text(x0 - 5, y + 4, f"{flip:g}", 10, "#555555", "end"))
-        power = self.low
-        while power <= self.high:
-            x = self.at({"ms": power, "flip": self.most})[0]
+                parts.append(text(x0 - 5, y + 4, f"{flip:g}" + ("x" if self.relative else ""), 10, "#555555", "end"))
+        for ms in (power * digit for power in (0.1, 1, 10, 100, 1000, 10000, 100000) for digit in ((1, 3) if self.relative else (1,))):
+            if not self.low * 0.999 <= ms <= self.high:
+                continue
+            x = self.at({"ms": ms, "flip": self.most})[0]
+            words = f"{ms:g}x" if self.relative else f"{ms:g} ms" if ms < 1000 else f"{ms / 1000:g} s"
             parts.append(f'<path d="M{x:.1f} {y0}V{y1}" stroke="#e4e4e4"/>')
-            parts.append(text(x, y0 + 14, f"{power:g} ms" if power < 1000 else f"{power / 1000:g} s", 10, "#555555", "middle"))
-            power *= 10
+            parts.append(text(x, y0 + 14, words, 10, "#555555", "middle"))
         return parts + [f'<path d="M{x0} {y1}V{y0}H{x1}" fill="none" stroke="#777777"/>']
 
     def lines(self):
@@ -93,9 +104,9 @@ class Panel:
 
     def name_of(self, p):
         """The label of a point, where there is room for it."""
-        if kind(p) == "none":  # beside those of OpenGL, whose names they have
+        if kind(p) == "none" and not self.relative:  # beside those of OpenGL, whose names they have
             return ""
-        words, (x, y) = label(p), self.at(p)
+        words, (x, y) = whole_label(p) if self.relative else label(p), self.at(p)
         wide = 5.6 * len(words)
         for dx, dy in ((8, 4), (8, -6), (8, 13), (-8 - wide, 4), (-8 - wide, -6), (-8 - wide, 13), (-wide / 2, -9), (-wide / 2, 17)):
             box = (x + dx, y + dy - 9, x + dx + wide, y + dy + 2)
@@ -159,6 +170,14 @@ def draw(panels, note):
     parts.append(text(LEFT, y + 4, note, 11.5, "#444444"))
     entries, y = legend(LEFT, y + 28, width - 2 * LEFT)
     return document(parts + entries, width, y + 14)
+
+
+def draw_relative(points, notes):
+    """One panel, of large letters: each point's ms and flip are multiples of those of Sideray's defaults."""
+    scale, width, height = 1.5, 560, 330
+    parts = [f'<g transform="scale({scale})">', *Panel(points, 0, 0, width, height, relative=True).draw("Error over time, as multiples of Sideray's defaults")]
+    parts += [text(LEFT, height - 12 + 13 * i, note, 9, "#444444") for i, note in enumerate(notes)]
+    return document([*parts, "</g>"], round(scale * width), round(scale * (height + 13 * len(notes) - 12)))
 
 
 def draw_each(panels, note):

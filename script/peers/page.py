@@ -12,6 +12,7 @@ SHOWN = ("balanced", "best, 4 samples --gl none", "three.js", "VTK", "F3D", "pyr
          "EEVEE, 4", "Cycles, 4, denoised", "Mitsuba, 16")
 
 IN_SHORT = {"raster look", "balanced --gl none", "paths, 4", *SHOWN}
+IN_README = {*IN_SHORT, "Cycles, 1", "Cycles, 4", "Cycles, 16", "Cycles, 16, denoised", "Mitsuba, 1", "Mitsuba, 4", "Mitsuba, 64"} - {"best, 4 samples --gl none"}
 
 
 def collect(folder, settings, programs):
@@ -57,6 +58,20 @@ def summary_rows(data, cores):
                "flip": sum(r["flip"] for r in found.values()) / len(found) if len(found) == len(scenes) else None,
                "ms": math.exp(sum(map(math.log, times)) / len(times)), "peak": max(r["peak_mb"] for r in found.values()),
                "start": sorted(r["process_processor_s"] for r in found.values())[len(found) // 2]}
+
+
+def relative_points(data, cores, base="balanced"):
+    """For the README: geometric means over the scenes that a program drew of its time and error as multiples of those of `base` there."""
+    found = {}
+    for scene in data["scenes"].values():
+        records = {r["program"]: r for r in measured(scene)}
+        for name, r in records.items():
+            if base in records and name in IN_README:
+                ours = records[base]
+                ratios = math.log(r["processor_ms"] / ours["processor_ms"]), math.log(r["flip"] / ours["flip"])
+                found.setdefault((name, r["family"]), []).append(ratios)
+    return [{"program": name, "family": family, "ms": math.exp(sum(t for t, _ in ratios) / len(ratios)),
+             "flip": math.exp(sum(e for _, e in ratios) / len(ratios)), "scenes": len(ratios)} for (name, family), ratios in found.items()]
 
 
 def bold(record, words):
@@ -247,6 +262,10 @@ def write_pages(root, folder, settings, programs, machine, cores):
     note = "Up: error, mean FLIP to the truth. Right: processor time of a frame over the cores. Both logarithmic; nearer to the lower left is better. The blue line is Sideray's front; numbers are samples."
     svg = chart.draw(panels(data, cores), note)
     (docs / "images" / "scoreboard.svg").write_text(svg)
+    notes = ("Up: visible error (FLIP) to a path-traced truth. Right: processor time of a frame, without a GPU.",
+             f"Geometric means over {len(data['scenes'])} scenes, or those that a program draws. Numbers are samples.",
+             "Cycles and Mitsuba also make the truth. Nearer to the lower left is better.")
+    (docs / "images" / "scoreboard-mean.svg").write_text(chart.draw_relative(relative_points(data, cores), notes))
     for name, scene in data["scenes"].items():
         sheet(folder / name, scene, cores, docs / "images" / f"scoreboard-{name}.jpg")
     page = docs / "scoreboard.md"

@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
+#include "rt/history/still_frames.h"
 #include "rt/tracer_scene.h"
 
 namespace sideray::rt::seen_light_test {
@@ -75,6 +77,39 @@ TEST(SeenLight, IsUnknownWhereThePictureShowsAnotherSurface) {
   picture.thrown[4 * (9 * width + 9) + 3] = 0;
   EXPECT_FALSE(picture.light().at(picture.at(9, 9))) << "the pixel has no answer";
   EXPECT_TRUE(picture.light().at(picture.at(10, 9)));
+}
+
+// Layers of a view at rest are those of its light: they are traced anew where it changes, and only then.
+TEST(SeenLight, IsAnInputOfLayersAtRest) {
+  TestScene scene;
+  scene.quad({0, 0, -depth_of_wall}, {9, 0, 0}, {0, 9, 0}, matt(0.5f));
+  sideray_material_desc bending = glass();
+  bending.ior = 1.2f, bending.thickness = 0.1f;
+  scene.quad({0, 0, -1.0f}, {3, 0, 0}, {0, 3, 0}, bending);
+  Tracer tracer({});
+  tracer.set_scene(scene.commit());
+  Picture picture;
+  TestFrame frame(picture.view, width, height, 1);
+  for (uint32_t y = 0; y < height; ++y)
+    for (uint32_t x = 0; x < width; ++x) frame.depth.set(x, y, picture.depths[size_t{y} * width + x], 1);
+  StillFrames still;
+  CacheRequest& request = frame.get();
+  request.refraction = 1, request.light_bounces = true, request.still = &still;
+  LayerCache cache;
+  const auto next = [&](SequenceStep step) {
+    request.sequence = step;
+    request.lit = {picture.thrown, picture.open};
+    tracer.trace_cache(request, cache);
+    return std::ranges::count(cache.dirty_tiles, 1);
+  };
+  next(SequenceStep::first);
+  next(SequenceStep::next);
+  EXPECT_EQ(next(SequenceStep::next), 0);
+  const glm::vec3 before = rgb(cache.radiance, texel_of(cache, width / 2, height / 2, 0));
+  for (size_t i = 2; i < picture.thrown.size(); i += 4) picture.thrown[i] = glm::packHalf1x16(8.0f);
+  EXPECT_GT(next(SequenceStep::next), 0);
+  const glm::vec3 after = rgb(cache.radiance, texel_of(cache, width / 2, height / 2, 0));
+  EXPECT_GT(after.z, before.z + 1.0f);
 }
 
 }  // namespace
