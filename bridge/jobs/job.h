@@ -51,7 +51,6 @@ struct TraceInput {
   rt::WorkTime work;                // the time and pieces that rays have
   rt::ViewFrame frame;              // the view's place in its history, for reprojection
   rt::ShadingQueue* shading_queue;  // SIDERAY_SHADE_IN_CALLS; otherwise null
-  rt::PixelLight lit{};             // for layers, from jobs before
 
   template <typename Texel>
   std::span<const Texel> texels(size_t texture) const {

@@ -5,7 +5,6 @@
 
 #include "bridge/base/local_view.h"
 #include "bridge/drawing/trace_inputs.h"
-#include "bridge/jobs/pixel_light.h"
 #include "model/failure.h"
 #include "rt/drawing/blend_translucent.h"
 #include "rt/drawing/motion.h"
@@ -107,8 +106,7 @@ class RayBackend::Frame {
                                        .cancelled = job_.cancelled,
                                        .work = work,
                                        .frame = {&jobs_.trail, jobs_.frames},
-                                       .shading_queue = nullptr,
-                                       .lit = pixel_light(inputs_, jobs_.masks.image(), jobs_.irradiance.image())});
+                                       .shading_queue = nullptr});
     if (inputs_.budget_ms > 0.0f && is_bounded) {
       jobs_.budget.finish(0, index, turn, counters);
       counters.jobs_starved = turn.starved;
@@ -254,8 +252,7 @@ const rt::LayerCache& RayBackend::read_layers(const PictureJob& job) {
                        .cancelled = job.cancelled,
                        .work = {},
                        .frame = {},
-                       .shading_queue = nullptr,
-                       .lit = pixel_light(inputs, jobs_->masks.image(), jobs_->irradiance.image())});
+                       .shading_queue = nullptr});
   return jobs_->shown_layers.cache();
 }
 

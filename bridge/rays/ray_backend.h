@@ -71,7 +71,7 @@ class RayBackend final : public Backend {
     MaskJob masks;
     IrradianceJob irradiance;
     ReflectionJob reflections;
-    LayerJob layers, shown_layers;
+    LayerJob layers{masks.image(), irradiance.image()}, shown_layers{masks.image(), irradiance.image()};
     FrameBudget budget;
     rt::PixelTrail trail;
     uint64_t frames = 0;

@@ -75,7 +75,7 @@ struct ServiceView {
   gl::StatePolicy policy = gl::StatePolicy::restore;  // of the last frame submitted
   MaskJob masks;
   IrradianceJob irradiance;
-  LayerJob layers;
+  LayerJob layers{masks.image(), irradiance.image()};
   ReflectionJob reflections;
   const std::array<Job*, job_count> jobs{&masks, &irradiance, &reflections, &layers};  // in tracing order
   std::array<std::shared_ptr<const model::Snapshot>, job_count> shown;  // the scene of each job's newest outputs

@@ -4,7 +4,6 @@
 #include <new>
 
 #include "bridge/base/check_inputs.h"
-#include "bridge/jobs/pixel_light.h"
 #include "bridge/service/service.h"
 #include "bridge/transport/source_checks.h"
 #include "gl/resources/state_guard.h"
@@ -303,8 +302,7 @@ void Service::trace(Frame& frame, size_t index) {
                                                   .cancelled = frame.cancelled,
                                                   .work = work,
                                                   .frame = {&frame.view->trail, frame.ticket},
-                                                  .shading_queue = queue_of(frame),
-                                                  .lit = pixel_light(in, frame.view->masks.image(), frame.view->irradiance.image())});
+                                                  .shading_queue = queue_of(frame)});
   if (in.budget_ms <= 0.0f) return;
   budget_.finish(in.view_id, index, budgeted, run.counters);
   run.counters.jobs_starved = budgeted.starved;

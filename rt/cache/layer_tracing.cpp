@@ -181,8 +181,8 @@ TraceEnd LayerTracing::trace_chunks(const CacheRequest& request, TracedScene& sc
                                     .tell_rough = request.denoise != 0,
                                     .error = request.ray_reuse,
                                     .viewer = way_to_viewer(request.view),
-                                    .bounces = bounces_of(request)},
-                        .seen = seen_light_of(request)});
+                                    .bounces = bounces_of(request),
+                                    .seen = seen_light_of(request)}});
   TileReach* reach = request.wanted ? request.wanted->reach.get() : nullptr;
   if (reach) reach->fit(request.view, request.width, request.height, request.depth);
   const Traced traced{request, context, bends ? &bent.context : nullptr, cache, older};

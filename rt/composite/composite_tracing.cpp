@@ -73,8 +73,8 @@ ShaderSource& CompositeTracing::begin_shaders(const LayerRequest& request, Trace
                                     .tell_rough = request.resolves && request.denoise,
                                     .error = request.ray_reuse,
                                     .viewer = way_to_viewer(request.view),
-                                    .bounces = bounces_of(request)},
-                        .seen = seen_light_of(request)});
+                                    .bounces = bounces_of(request),
+                                    .seen = seen_light_of(request)}});
   return shaders_;
 }
 

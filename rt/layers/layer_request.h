@@ -55,7 +55,7 @@ struct LayerRequest : sideray_layer_inputs {
 
 // Returns the light that the request knows.
 inline std::optional<SeenLight> seen_light_of(const LayerRequest& r) {
-  if (!r.light_bounces || r.lit.thrown.empty()) return std::nullopt;
+  if (!r.light_bounces || !r.depth.texels || r.lit.thrown.empty()) return std::nullopt;
   return SeenLight(r.view, r.width, r.height, r.depth, r.lit);
 }
 

@@ -28,6 +28,7 @@ std::optional<ArrivingLight> SeenLight::at(const PointAround& point) const {
   if (!(clip.w > 0.0 && x >= 0.0 && y >= 0.0 && x < width_ && y < height_)) return std::nullopt;
   const auto column = static_cast<uint32_t>(x), row = static_cast<uint32_t>(y);
   const size_t texel = size_t{row} * width_ + column;
+  if (!light_.answers.empty() && (light_.answers[texel] & light_.answer_of_open) == 0) return std::nullopt;
   const uint16_t* thrown = &light_.thrown[4 * texel];
   if (thrown[3] == 0 || !shows(column, row, point)) return std::nullopt;
   constexpr float whole = 255.0f;

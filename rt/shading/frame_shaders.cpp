@@ -2,11 +2,6 @@
 
 namespace sideray::rt {
 
-void FrameShaders::begin_frame(const Frame& frame) {
-  frame_.emplace(frame);
-  if (frame_->seen) frame_->shading.seen = &*frame_->seen;
-}
-
 PointShader& FrameShaders::begin_chunk(uint32_t thread) {
   Thread& own = threads_[thread];
   if (frame_->scene.snapshot->shader.shade) {

@@ -34,10 +34,9 @@ class FrameShaders final : public ShaderSource {
     const Intersector& intersector;
     HostCalls calls;
     HitShading shading;
-    std::optional<SeenLight> seen = std::nullopt;  // that of `shading`
   };
   explicit FrameShaders(uint32_t threads) : threads_(threads) {}
-  void begin_frame(const Frame& frame);
+  void begin_frame(const Frame& frame) { frame_.emplace(frame); }
   PointShader& begin_chunk(uint32_t thread) override;
 
  private:

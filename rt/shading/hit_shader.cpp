@@ -43,7 +43,7 @@ void HitShader::begin(const ShadingScene& scene, const Intersector& intersector,
   rough_.clear();
   rays_reflection = rays_shadow = rays_bounce = 0;
   bounces_ = options.bounces && !scene.snapshot->fixed;
-  if (bounces_) around_.begin(scene, intersector, shadows_, *options.bounces, options.seen);
+  if (bounces_) around_.begin(scene, intersector, shadows_, *options.bounces, options.seen ? &*options.seen : nullptr);
   mirrors_.begin(scene, intersector, *this);
   light_.begin(scene, intersector);
   const std::string isa = intersector.isa();

@@ -28,12 +28,12 @@ struct HitShading {
   glm::vec3 viewer = {0, 0, 1};  // as in SurfaceBatch::begin()
   // If set, surfaces light each other, and occlude the sky for each other. The value is LayerRequest::position.
   std::optional<uint32_t> bounces = std::nullopt;
-  const SeenLight* seen = nullptr;  // with `bounces`: as in LightAround::begin()
+  std::optional<SeenLight> seen = std::nullopt;  // with `bounces`: as in LightAround::begin()
 };
 
 class HitShader final : public PointShader, public SecondaryHitShader, public RaySharing {
  public:
-  // Sets the scene and options until the next call; the caller keeps both objects alive.
+  // Sets the scene and options until the next call; the caller keeps scene and intersector alive, and options with `seen`.
   void begin(const ShadingScene& scene, const Intersector& intersector, const HitShading& options = {});
 
   void shade(std::span<const SurfacePoint> points, glm::vec3* radiance) override;

@@ -1,5 +1,7 @@
 #include "bridge/jobs/layers/layer_job.h"
 
+#include <cmath>
+
 #include "bridge/base/local_view.h"
 #include "bridge/jobs/layers/check_layers.h"
 #include "model/failure.h"
@@ -20,26 +22,6 @@ LayerEncoding encoding_of(const gl::Functions& gl, const JobFrame& frame) {
   encoding.space = in.radiance_space;
   encoding.scale = in.radiance_scale;
   return encoding;
-}
-
-// Fills the part of the request that both modes share, besides the host's inputs.
-void fill(rt::LayerRequest& request, const JobFrame& frame, const TraceInput& input) {
-  const FrameInputs& in = frame.inputs;
-  request.view = local_view(in.view, frame.snapshot.origin);
-  request.width = static_cast<uint32_t>(in.source.width);
-  request.height = static_cast<uint32_t>(in.source.height);
-  request.depth = input.depth;
-  request.mask = in.source.mask;
-  request.stencil_bits = in.source.stencil_bits;
-  request.mask_bytes = input.mask_bytes;
-  request.shadows = in.shadows;
-  request.light_bounces = in.irradiance.has_value();
-  request.lit = input.lit;
-  request.seed = in.seed;
-  request.position = in.inspection.position;
-  request.cancelled = &input.cancelled;
-  request.work = input.work;
-  request.shading_queue = input.shading_queue;
 }
 
 }  // namespace
@@ -86,6 +68,35 @@ rt::Counters LayerJob::trace(const JobFrame& frame, const TraceInput& input) {
   if (frame.inputs.inspection.check && caches(frame.inputs))
     truth_ = input.tracer.trace_truth(cache_request(frame, input));
   return counters;
+}
+
+// Returns the light at the frame's opaque pixels, which was traced before; empty if it is not all of it: the frame requests
+// one of the two alone, or occluders of the sky are searched nearby alone.
+rt::PixelLight LayerJob::pixel_light(const FrameInputs& in) const {
+  if (!in.irradiance || !in.masks || in.masks->ao_rays == 0 || std::isfinite(in.masks->ao_distance)) return {};
+  const size_t pixels = static_cast<size_t>(in.source.width) * static_cast<size_t>(in.source.height);
+  if (masks_.open.size() != pixels || irradiance_.light.size() != 4 * pixels) return {};
+  return {irradiance_.light, masks_.open, masks_.answers, rt::OcclusionMasks::answer_of_sky};
+}
+
+// Fills the part of the request that both modes share, besides the host's inputs.
+void LayerJob::fill(rt::LayerRequest& request, const JobFrame& frame, const TraceInput& input) const {
+  const FrameInputs& in = frame.inputs;
+  request.view = local_view(in.view, frame.snapshot.origin);
+  request.width = static_cast<uint32_t>(in.source.width);
+  request.height = static_cast<uint32_t>(in.source.height);
+  request.depth = input.depth;
+  request.mask = in.source.mask;
+  request.stencil_bits = in.source.stencil_bits;
+  request.mask_bytes = input.mask_bytes;
+  request.shadows = in.shadows;
+  request.light_bounces = in.irradiance.has_value();
+  request.lit = pixel_light(in);
+  request.seed = in.seed;
+  request.position = in.inspection.position;
+  request.cancelled = &input.cancelled;
+  request.work = input.work;
+  request.shading_queue = input.shading_queue;
 }
 
 rt::CacheRequest LayerJob::cache_request(const JobFrame& frame, const TraceInput& input) {

@@ -5,6 +5,8 @@
 #include "bridge/jobs/layers/layer_textures.h"
 #include "rt/cache/older_layers.h"
 #include "rt/history/still_frames.h"
+#include "rt/irradiance/irradiance_request.h"
+#include "rt/masks/mask_request.h"
 
 namespace sideray::bridge {
 
@@ -20,6 +22,9 @@ class LayerJob final : public Job {
     bool multisampled = false;
     bool float_ids = false;
   };
+
+  // Refers to the view's masks and irradiance: what glass shows of the picture has their light. The caller keeps both alive.
+  LayerJob(const rt::OcclusionMasks& masks, const rt::IrradianceImage& irradiance) : masks_(masks), irradiance_(irradiance) {}
 
   uint32_t bit() const override { return SIDERAY_JOB_LAYERS; }
   void check(const gl::Functions& gl, const FrameInputs& inputs, const model::Snapshot& snapshot) const override;
@@ -42,10 +47,14 @@ class LayerJob final : public Job {
 
  private:
   void check_second_wave(const FrameInputs& inputs) const;
+  rt::PixelLight pixel_light(const FrameInputs& inputs) const;
+  void fill(rt::LayerRequest& request, const JobFrame& frame, const TraceInput& input) const;
   rt::CacheRequest cache_request(const JobFrame& frame, const TraceInput& input);
   rt::Counters trace_cache(const JobFrame& frame, const TraceInput& input);
   rt::Counters trace_composite(const JobFrame& frame, const TraceInput& input);
 
+  const rt::OcclusionMasks& masks_;
+  const rt::IrradianceImage& irradiance_;
   rt::LayerCache cache_;
   rt::CompositeImage composite_;
   rt::LayerTruth truth_;

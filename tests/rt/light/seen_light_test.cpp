@@ -77,6 +77,13 @@ TEST(SeenLight, IsUnknownWhereThePictureShowsAnotherSurface) {
   picture.thrown[4 * (9 * width + 9) + 3] = 0;
   EXPECT_FALSE(picture.light().at(picture.at(9, 9))) << "the pixel has no answer";
   EXPECT_TRUE(picture.light().at(picture.at(10, 9)));
+  constexpr uint8_t other = 1, of_open = 2;
+  std::vector<uint8_t> answers(size_t{width} * height, other | of_open);
+  answers[9 * width + 10] = other;
+  const DepthImage depth{reinterpret_cast<const std::byte*>(picture.depths.data()), sizeof(float) * width, DepthFormat::d32f};
+  const SeenLight budgeted(picture.view, width, height, depth, {picture.thrown, picture.open, answers, of_open});
+  EXPECT_FALSE(budgeted.at(picture.at(10, 9))) << "its share of the sky is late";
+  EXPECT_TRUE(budgeted.at(picture.at(11, 9)));
 }
 
 // Layers of a view at rest are those of its light: they are traced anew where it changes, and only then.
@@ -110,6 +117,10 @@ TEST(SeenLight, IsAnInputOfLayersAtRest) {
   EXPECT_GT(next(SequenceStep::next), 0);
   const glm::vec3 after = rgb(cache.radiance, texel_of(cache, width / 2, height / 2, 0));
   EXPECT_GT(after.z, before.z + 1.0f);
+  next(SequenceStep::next);
+  EXPECT_EQ(next(SequenceStep::next), 0);
+  std::ranges::fill(picture.open, uint8_t{255});
+  EXPECT_GT(next(SequenceStep::next), 0);
 }
 
 }  // namespace
