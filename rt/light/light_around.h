@@ -1,8 +1,9 @@
 // Finds the indirect light that arrives at a batch of points: the light of other surfaces, and the open share of the
-// sky. Points that the picture shows take the light of its pixels. Few of the others send a path each (rt/light/diffuse_paths.h); all of these take the mean of what
-// the paths of points near them found. A path counts within a reach that is proportional to the harmonic mean of the distances to the
-// surfaces that reflect the light (Ward et al. 1988, "A Ray Tracing Solution for Diffuse Interreflection"). Points that
-// weigh little in their pixels send fewer. Holds scratch memory: one object per thread.
+// sky. Points that the picture shows take the light of its pixels. Few of the others send a path each
+// (rt/light/diffuse_paths.h); all of these take the mean of what the paths of points near them found. A path counts
+// within a reach that is proportional to the harmonic mean of the distances to the surfaces that reflect the light (Ward
+// et al. 1988, "A Ray Tracing Solution for Diffuse Interreflection"). Points that weigh little in their pixels send
+// fewer. Holds scratch memory: one object per thread.
 #pragma once
 
 #include <cstdint>
