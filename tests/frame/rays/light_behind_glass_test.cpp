@@ -79,7 +79,6 @@ std::vector<float> draw(Renderer& renderer, bool through_pane) {
   std::copy(std::begin(pose), std::end(pose), camera.world_from_camera);
   RenderOptions options;
   options.picture.width = width, options.picture.height = height;
-  options.picture.ambient = SIDERAY_AMBIENT_BOUNCE;
   const Picture picture = renderer.render(scene, camera, options).value();
   std::vector<float> rgb;
   for (size_t i = 0; i < picture.channel_count(); ++i) {
