@@ -71,7 +71,7 @@ def relative_points(data, cores, base="balanced"):
                 ratios = math.log(r["processor_ms"] / ours["processor_ms"]), math.log(r["flip"] / ours["flip"])
                 found.setdefault((name, r["family"]), []).append(ratios)
     return [{"program": name, "family": family, "ms": math.exp(sum(t for t, _ in ratios) / len(ratios)),
-             "flip": math.exp(sum(e for _, e in ratios) / len(ratios)), "scenes": len(ratios)} for (name, family), ratios in found.items()]
+             "flip": math.exp(sum(e for _, e in ratios) / len(ratios))} for (name, family), ratios in found.items()]
 
 
 def bold(record, words):

@@ -152,6 +152,11 @@ class Scripted(Program):
                                 job.size(), "--frames", frames, *(["--sky", sky] if sky else []), *self.words]))
 
 
+def pythons_of(folder):
+    """The interpreters that may have a module: a virtual environment's, then this one."""
+    return [str(folder / "bin" / "python3"), sys.executable]
+
+
 def has_module(python, module):
     look = f"import importlib.util, sys; sys.exit(not importlib.util.find_spec('{module}'))"
     return os.access(python, os.X_OK) and subprocess.run([python, "-c", look], check=False,
@@ -212,7 +217,7 @@ LOOK = ["--translucency", "raster", "--shadows", "map", "--ambient", "off", "--r
 
 def programs(sideray, folder):
     """All points of the chart, installed or not."""
-    pythons = [str(folder / "bin" / "python3"), sys.executable]
+    pythons = pythons_of(folder)
     ours = [("raster look", LOOK), ("draft", ["--quality", "draft"]), ("balanced", []), ("best", ["--quality", "best"]),
             ("best, 4 samples", ["--quality", "best", "--samples", "4"])]
     found = [Sideray(sideray, name, words) for name, words in ours]
@@ -239,7 +244,7 @@ def tracer_of(folder, sideray, tracer, samples, seed="7"):
     if tracer == "Sideray":
         return Sideray(sideray, "paths", ["--reference", "--bounces", "unlimited", "--caustics", "on", "--samples", str(samples),
                                           "--light-samples", "8", "--seed", seed], reference=True)
-    pythons, words = [str(folder / "bin" / "python3"), sys.executable], ["--samples", str(samples), "--seed", seed]
+    pythons, words = pythons_of(folder), ["--samples", str(samples), "--seed", seed]
     found = Mitsuba(tracer, pythons, [*words, "--robust"]) if tracer == "Mitsuba" else Cycles(tracer, pythons, [*words, "--denoise"])
     if not found.is_there():
         raise Failure(f"{tracer} is not there: {found.install}")
