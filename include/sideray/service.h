@@ -218,7 +218,8 @@ typedef struct sideray_reflection_inputs {
 SIDERAY_DEFAULTS(sideray_reflection_inputs, reflection_inputs)
 
 /* Indirect light of opaque surfaces, by rays (docs/light.md): light of lamps, emissive surfaces and the sky that other
- * surfaces reflect, with any number of bounces. One pixel in four is traced; filters spread the results. */
+ * surfaces reflect, with any number of bounces. One pixel in four is traced; filters spread the results. With masks of
+ * unlimited ao_distance in the same frame, layers show surfaces behind glass in the same light. */
 typedef struct sideray_irradiance_inputs {
   size_t size;
   int32_t denoise;
