@@ -93,6 +93,8 @@ def checkers(x, z):
 
 
 class RunTest(unittest.TestCase):
+    known = {}
+
     @classmethod
     def setUpClass(cls):
         cls.display = Display()
@@ -110,10 +112,18 @@ class RunTest(unittest.TestCase):
         return subprocess.run([str(word) for word in words], env=self.display.environment, cwd=self.folder, stdout=subprocess.PIPE,
                               stderr=subprocess.PIPE, text=True, timeout=100, check=False)
 
+    def once(self, name, find):
+        """What `find` returned for the first test that asked: programs draw the same in each run."""
+        if name not in self.known:
+            self.known[name] = find()
+        return self.known[name]
+
     def plain(self, *what, frames=3):
-        done = self.start([FIXED, frames, "plain.ppm", *what])
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return Picture(self.folder / "plain.ppm")
+        def draw():
+            done = self.start([FIXED, frames, "plain.ppm", *what])
+            self.assertEqual(done.returncode, 0, done.stderr)
+            return Picture(self.folder / "plain.ppm")
+        return self.once(("plain", frames, *what), draw)
 
     def run_fixed(self, *what, frames=3, options=()):
         """The picture, what was said, and the figures of the report."""
@@ -215,12 +225,16 @@ class RunTest(unittest.TestCase):
         alike = sum(1 for x, y in pane if max(abs(a - b) for a, b in zip(late.at(x, y), waited.at(x, y))) <= 3)
         self.assertGreater(alike, 0.95 * len(pane))
 
-    def floor_rule(self):
-        """A rules file that makes the floor a mirror."""
+    def hash_of_the_floor(self):
         self.run_fixed(options=["--off"])
         hashes = re.findall(r"<code>([0-9a-f]{16})</code></td><td><img", (self.folder / "report.html").read_text())
         self.assertEqual(len(hashes), 1)
-        (self.folder / "rules").write_text(f"mirror texture {hashes[0]} reflectance=0.5  # the floor\n")
+        return hashes[0]
+
+    def floor_rule(self):
+        """A rules file that makes the floor a mirror."""
+        floor = self.once("floor", self.hash_of_the_floor)
+        (self.folder / "rules").write_text(f"mirror texture {floor} reflectance=0.5  # the floor\n")
         return ["--rules", "rules"]
 
     def rule(self, *lines):
@@ -334,8 +348,7 @@ class RunTest(unittest.TestCase):
         self.assertLess(wrong, 300)  # the texture's edges, by a rounding
 
     def test_shade_of_a_rule_counts_where_nothing_is_lit(self):
-        self.floor_rule()
-        floor = re.search(r"texture (\w+)", (self.folder / "rules").read_text()).group(1)
+        floor = self.once("floor", self.hash_of_the_floor)
         plain = self.plain()
         for shade in (0.5, 1):
             seen, _, _ = self.run_fixed(options=self.rule("sun light 0", f"opaque texture {floor} shade={shade}"))
@@ -344,6 +357,9 @@ class RunTest(unittest.TestCase):
                 self.assertAlmostEqual(seen.at(x, y)[channel], shade * plain.at(x, y)[channel], delta=1)
 
     def water_mesh(self):
+        return self.once("water", self.hash_of_the_water)
+
+    def hash_of_the_water(self):
         self.run_fixed("water", options=["--off"])
         report = (self.folder / "report.html").read_text()
         rows = re.findall(r"<code>(\w{16})</code></td><td></td><td>\d+</td><td>\d+</td><td>([1-9]\d*)</td>", report[report.index("Meshes of"):])

@@ -65,7 +65,7 @@ TEST(RayReuse, LendsAlongBentPathsToo) {
 }
 
 TEST(RayReuse, TheSameBitsForAnyThreadCount) {
-  for (const scenes::Content& content : {scenes::generate("bistro", small_bistro), scenes::generate("solids", {})}) {
+  for (const scenes::Content& content : {scenes::generate("frosted", {}), scenes::generate("solids", {})}) {
     Stage one(content, 1), five(content, 5);
     const RenderOptions options = drawn(0x1p-6f);
     EXPECT_EQ(one.draw(options, true).rgb, five.draw(options, true).rgb);

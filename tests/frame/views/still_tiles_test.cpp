@@ -10,7 +10,7 @@ using scenes::ContentBuilder;
 using scenes::opaque_material;
 using scenes::Shape;
 
-constexpr uint32_t width = 480, height = 48, positions = still_positions;
+constexpr uint32_t width = 480, height = 32, positions = still_positions;
 
 // Returns a long yard, seen from afar, whose objects are in separate tiles.
 scenes::Content make_yard() {
@@ -29,7 +29,7 @@ scenes::Content make_yard() {
   b.light("sun", scenes::sun_light({-0.2f, -0.8f, -0.5f}, glm::vec3(2.0f)));
   b.light("lamp", scenes::point_light({8, 0.6, 0}, glm::vec3(2.0f), 1.5f));
   const double eye[3] = {0, 4, 30}, target[3] = {0, 0.5, 0};
-  b.camera("afar", scenes::look_at(eye, target, 4.2f));
+  b.camera("afar", scenes::look_at(eye, target, 2.8f));
   return b.take();
 }
 
