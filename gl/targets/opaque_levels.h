@@ -1,5 +1,5 @@
-// Holds a copy of the opaque picture with mip levels, for surfaces that bend or blur what is seen through them. Nothing
-// is allocated until one does. The context must be current.
+// Holds a copy of the opaque picture with mip levels, for surfaces that bend or blur what is seen through them. A texel of
+// a level is the level before it, sampled bilinearly at its centre. Nothing is allocated until a surface needs it. The context must be current.
 #pragma once
 
 #include <cstdint>
@@ -21,10 +21,15 @@ class OpaqueLevels {
 
  private:
   void fit(uint32_t width, uint32_t height);
+  int levels() const;
+  GLsizei width_of(int level) const;
+  GLsizei height_of(int level) const;
+  void bind(GLenum target, const Framebuffer& framebuffer, int level) const;
 
   const Functions& gl_;
   uint32_t width_ = 0, height_ = 0;
   Texture texture_;
+  Framebuffer finer_, coarser_;  // of two levels that follow each other
 };
 
 }  // namespace sideray::gl

@@ -13,8 +13,7 @@ void OpaqueLevels::fill(uint32_t width, uint32_t height, const std::vector<glm::
   coarsest_ = elementary::log2(static_cast<float>(height));
 }
 
-// OpenGL does not define how sides of odd length are halved. Software drivers sample the finer level bilinearly at the
-// centre of each new texel, which for even sides is the mean of four.
+// Samples the finer level bilinearly at the centre of each new texel, which for even sides is the mean of four.
 OpaqueLevels::Level OpaqueLevels::half_of(const Level& fine, Executor& executor) {
   Level half{std::max(fine.width / 2, 1u), std::max(fine.height / 2, 1u), {}};
   half.texels.resize(size_t{half.width} * half.height);
