@@ -201,7 +201,8 @@ class Pyrender(Scripted):
 
 
 class Mujoco(Scripted):
-    family, install, script, module = "MuJoCo", "pip install mujoco", "mujoco_frames.py", "mujoco"
+    family, script, module = "MuJoCo", "mujoco_frames.py", "mujoco"
+    install = "pip install mujoco; after pyrender, which asks for 3.1.0, pip install --no-deps --upgrade pyopengl"
     lacks = ("materials beyond a texture and a highlight, alpha from textures, refraction (as VTK), the sky as light (it is constant), "
              "light as linear numbers")
 
