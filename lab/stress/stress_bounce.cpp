@@ -170,19 +170,20 @@ Played play(StressStage& stage, const Method& method, const Change& change) {
   const sideray_camera camera = above(0.0, 5.0);
   uint32_t frame = 0;
   while (frame < frames_before) draw(stage, rooms, camera, method, frame++);
-  SettleMeter settle;
-  scenes::Image last;
+  std::vector<scenes::Image> after;  // the last picture of the change, and those that follow
   for (uint32_t step = 1; step <= change.frames; ++step) {
     change.happen(rooms, static_cast<double>(step) / change.frames);
     rooms.scene.commit();
-    last = draw(stage, rooms, camera, method, frame++);
+    after = {draw(stage, rooms, camera, method, frame++)};
   }
+  for (uint32_t i = 0; i < SettleMeter::held; ++i) after.push_back(draw(stage, rooms, camera, method, frame++));
+  // Drawn last: the truth in between would end the sequence's history.
   const scenes::Image truth = truth_of(stage, rooms, camera);
+  SettleMeter settle;
   std::vector<double> flips;
-  for (uint32_t i = 0; i <= SettleMeter::held; ++i) {
-    if (i > 0) last = draw(stage, rooms, camera, method, frame++);
-    settle.add(last);
-    flips.push_back(flip(last, truth));
+  for (const scenes::Image& picture : after) {
+    settle.add(picture);
+    flips.push_back(flip(picture, truth));
   }
   Played played{settle.result().half_life, flips.back(), flips.front(), 0};
   for (uint32_t i = 0; i < flips.size(); ++i)
