@@ -16,7 +16,8 @@ namespace sideray::rt {
 struct PixelLight {
   std::span<const uint16_t> thrown;  // as IrradianceImage::light
   std::span<const uint8_t> open;     // as OcclusionMasks::open
-  // As OcclusionMasks::answers, with the bit of pixels whose `open` is known: others look open. Empty: all are known.
+  // These are OcclusionMasks::answers. A pixel's `open` is known if it has the bit `answer_of_open`; other pixels look open.
+  // Where `answers` is empty, all pixels are known.
   std::span<const uint8_t> answers = {};
   uint8_t answer_of_open = 0;
 };
